@@ -4,8 +4,8 @@ use super::law::{CD0, CD90, CRITICAL_SUCTION, LIFT_SLOPE, STALL_ANGLE, ZERO_LIFT
 use super::{LagNumbers, LiftLaw, MAX_WASH_LAGS, ProfileDrag, SurfaceNumbers};
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
-use wingbeat_math::Error;
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::{Error, SEA_LEVEL_DENSITY};
 
 /// Section, air, and the forces that a section takes from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,7 @@ impl Default for SectionSettings {
             added_mass: true,
             section_moment: true,
             pitch_suction: true,
-            density_kg_m3: 1.225,
+            density_kg_m3: SEA_LEVEL_DENSITY,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use wingbeat::judge::limits::range::APART;
+use wingbeat::math::SEA_LEVEL_DENSITY;
 use wingbeat::rig::Pose;
 use wingbeat::rig::arm::MAX_JOINTS;
 use wingbeat::robot::{Robot, Skeleton};
@@ -22,8 +23,12 @@ use crate::say;
 use crate::tether::CaseTables;
 
 /// A scenario around a robot that is only looked at.
-pub const AROUND: &str = "name = \"show\"\n[air]\ndensity_kg_m3 = 1.225\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n\
-                      [flight]\nduration_s = 1e-3\nstep_s = 1e-3\nrecord_every_s = 1e-3\n";
+pub fn around() -> String {
+    format!(
+        "name = \"show\"\n[air]\ndensity_kg_m3 = {SEA_LEVEL_DENSITY}\nwind_m_s = [0.0, 0.0, 0.0]\n[aero]\nlaw = \"linear\"\n[flight]\n\
+         duration_s = 1e-3\nstep_s = 1e-3\nrecord_every_s = 1e-3\n"
+    )
+}
 /// A run around a rig that is only looked at.
 const ON_A_STAND: &str = "name = \"show\"\n[hold]\ntilts_deg = [[0.0, 0.0]]\neach_s = 1.0\n";
 
@@ -69,7 +74,7 @@ pub fn figure(arguments: &Show) -> Result<Figure, Error> {
     }
     let scenario = match is("flight") {
         true => document,
-        false => Document::text("show", AROUND)?.put("robot", document)?,
+        false => Document::text("show", &around())?.put("robot", document)?,
     };
     finite_phase(arguments.phase.unwrap_or(0.0))?;
     let scenario = match arguments.phase {

@@ -1,5 +1,6 @@
 //! The true flight, what an estimator took it for, and how sure it was.
 
+use wingbeat::math::DEGREES;
 use wingbeat::simulate::{Record, is_at};
 
 use crate::panel::{FigurePanel, PanelCurve, stacked};
@@ -9,8 +10,8 @@ use crate::{Error, needed, style};
 /// What is estimated, the title of its panel, the factor of its unit.
 const PANELS: [(&str, &str, f64); 6] = [
     ("height", "height error [mm]", 1e3),
-    ("roll", "roll error [°]", 180.0 / std::f64::consts::PI),
-    ("pitch", "pitch error [°]", 180.0 / std::f64::consts::PI),
+    ("roll", "roll error [°]", DEGREES),
+    ("pitch", "pitch error [°]", DEGREES),
     ("forward", "forward speed error [m/s]", 1.0),
     ("leftward", "sideways speed error [m/s]", 1.0),
     ("upward", "climb error [m/s]", 1.0),

@@ -1,5 +1,6 @@
 //! A path and how it was followed.
 
+use wingbeat::math::DEGREES;
 use wingbeat::simulate::Record;
 
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
@@ -61,12 +62,11 @@ pub fn tracking(record: &Record) -> Result<Figure, Error> {
     let scaled = |name: &str, factor: f64| -> Result<Vec<f64>, Error> {
         Ok(needed(record, name)?.iter().map(|value| factor * value).collect())
     };
-    let degrees = 180.0 / std::f64::consts::PI;
     let one = |title: &str, name: &str| -> Result<FigurePanel, Error> {
         Ok(FigurePanel::new(title, vec![PanelCurve::new("", t, scaled(name, 1.0)?, 0).whole()]))
     };
-    let roll = PanelCurve::new("roll", t, scaled("roll", degrees)?, 0).whole();
-    let asked = PanelCurve::reference("asked", t, scaled("path_bank", degrees)?);
+    let roll = PanelCurve::new("roll", t, scaled("roll", DEGREES)?, 0).whole();
+    let asked = PanelCurve::reference("asked", t, scaled("path_bank", DEGREES)?);
     let panels = vec![
         one("across the path, left + [m]", "path_cross")?,
         one("along the path, ahead + [m]", "path_along")?,

@@ -1,5 +1,6 @@
 //! A hover: how far from its place, how turned, and the force of the air as the observer has it.
 
+use wingbeat::math::DEGREES;
 use wingbeat::simulate::Record;
 
 use crate::panel::{FigurePanel, PanelCurve, stacked};
@@ -19,8 +20,7 @@ pub fn hover(record: &Record) -> Result<Figure, Error> {
         axes.map(|(i, axis)| Ok(PanelCurve::new(axis, t, scaled(&format!("{prefix}_{axis}"), factor)?, i)))
             .collect()
     };
-    let degrees = 180.0 / std::f64::consts::PI;
-    let angles = [("roll", "roll", degrees), ("pitch", "nose up", -degrees), ("yaw", "yaw", degrees)]
+    let angles = [("roll", "roll", DEGREES), ("pitch", "nose up", -DEGREES), ("yaw", "yaw", DEGREES)]
         .into_iter()
         .enumerate();
     let angles =

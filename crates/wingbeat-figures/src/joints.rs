@@ -1,13 +1,12 @@
 //! A planned motion of an arm, joint by joint, against its limits.
 
+use wingbeat::math::DEGREES;
 use wingbeat::rig::JointTrajectory;
 use wingbeat::rig::arm::{LimitProfile, SerialArm};
 
 use crate::panel::{FigurePanel, PanelCurve, stacked_with};
 use crate::style;
 use crate::write::Figure;
-
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Positions, and rates and accelerations as shares of the limits of `profile`, or by themselves where it has none;
 /// dashed lines at the ends of the steady turn.

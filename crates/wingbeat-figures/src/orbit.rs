@@ -1,6 +1,7 @@
 //! A periodic flight: wing and angle of attack over the cycle, multipliers in the unit circle, orbits along a parameter.
 
 use std::f64::consts::TAU;
+use wingbeat::math::DEGREES;
 use wingbeat::math::order::ascend_by;
 
 use wingbeat::simulate::Record;
@@ -10,7 +11,6 @@ use crate::panel::{FigurePanel, PanelCurve, stacked};
 use crate::write::Figure;
 use crate::{Error, needed, own_joints, style};
 
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Angles of attack beyond which stall is counted, deg.
 const LEVELS: [f64; 5] = [-20.0, -12.0, 0.0, 12.0, 20.0];
 /// Size of a multiplier from which on its mode is named.

@@ -1,10 +1,10 @@
 //! The joints of the robot that a record is of, by their own names.
 
+use wingbeat::math::DEGREES;
 use wingbeat::simulate::{Column, Record};
 
 use crate::commands::pair;
 
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const MILLIMETRES: f64 = 1e3;
 /// A joint that the drive turns is drawn over time where it moves at least this share of what moves most.
 const MOVES: f64 = 0.3;

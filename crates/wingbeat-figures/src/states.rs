@@ -1,5 +1,6 @@
 //! The state figure: roll and pitch with what is asked, heading, position, and the robot's joints over time.
 
+use wingbeat::math::DEGREES;
 use wingbeat::robot::{BROADSIDE, Robot};
 use wingbeat::simulate::{Column, Record};
 
@@ -13,8 +14,6 @@ use crate::{Error, FigureTargets, needed, style, weight};
 const PAGE: f64 = 6.0 * style::PANEL;
 /// The same of two stacks on a slide, px.
 const WIDE: f64 = 880.0;
-
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Roll and pitch, heading, position, what carries the weight, and the robot's joints over time.
 ///

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use wingbeat::aero::{Circulation, LoadSource};
+use wingbeat::math::DEGREES;
 use wingbeat::simulate::Record;
 use wingbeat::tether::{Spar, Steady};
 
@@ -11,7 +12,6 @@ use crate::write::Figure;
 use crate::{Error, needed, style};
 
 /// Degrees per radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Phases at which the span is shown, cycles.
 const PHASES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 

@@ -49,7 +49,7 @@ const MOMENT: [(&str, f64); 15] = [
 const TIME: [(&str, f64); 3] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6)];
 /// Radians in each unit of angle.
 const ANGLE: [(&str, f64); 3] =
-    [("rad", 1.0), ("deg", std::f64::consts::PI / 180.0), ("turn", std::f64::consts::TAU)];
+    [("rad", 1.0), ("deg", wingbeat_math::RADIANS), ("turn", std::f64::consts::TAU)];
 
 impl ChannelQuantity {
     /// Every quantity.

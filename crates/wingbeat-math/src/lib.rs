@@ -51,3 +51,9 @@ pub use wrench::{CHANNELS, Wrench};
 
 /// Standard gravity, m/s2 (CGPM 1901).
 pub const GRAVITY: f64 = 9.80665;
+/// Density of air at sea level, kg/m3 (standard atmosphere, ISO 2533:1975).
+pub const SEA_LEVEL_DENSITY: f64 = 1.225;
+/// Radians in a degree, rad/deg.
+pub const RADIANS: f64 = std::f64::consts::PI / 180.0;
+/// Degrees in a radian, deg/rad.
+pub const DEGREES: f64 = 180.0 / std::f64::consts::PI;

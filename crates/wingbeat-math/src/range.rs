@@ -61,13 +61,15 @@ impl Range {
     /// The range in words.
     pub fn allowed(&self) -> String {
         let Self { low, high, open } = self;
-        match (high.is_finite(), open) {
-            (false, _) if low.is_infinite() => "a finite number".into(),
-            (false, [true, _]) => format!("a finite number above {low}"),
-            (false, _) => format!("a finite number, {low} or more"),
-            (true, [true, false]) => format!("above {low}, at most {high}"),
-            (true, [true, true]) => format!("between {low} and {high}, neither itself"),
-            (true, _) => format!("{low} to {high}"),
+        match (low.is_finite(), high.is_finite(), open) {
+            (false, false, _) => "a finite number".into(),
+            (true, false, [true, _]) => format!("a finite number above {low}"),
+            (true, false, _) => format!("a finite number, at least {low}"),
+            (false, true, [_, true]) => format!("a finite number, below {high}"),
+            (false, true, _) => format!("a finite number, at most {high}"),
+            (true, true, [true, false]) => format!("above {low}, at most {high}"),
+            (true, true, [true, true]) => format!("between {low} and {high}, neither itself"),
+            (true, true, _) => format!("{low} to {high}"),
         }
     }
 }
@@ -201,11 +203,14 @@ mod tests {
         let said = |range: Range, value: f64| range.check("x", value).err().map(|error| error.to_string());
         assert_eq!(said(Range::POSITIVE, 1e-300), None);
         assert!(said(Range::POSITIVE, 0.0).unwrap().contains("a finite number above 0"));
-        assert!(said(Range::NOT_NEGATIVE, -1.0).unwrap().contains("a finite number, 0 or more"));
-        assert!(said(Range::from(8.0), f64::NAN).unwrap().contains("8 or more"));
+        assert!(said(Range::NOT_NEGATIVE, -1.0).unwrap().contains("a finite number, at least 0"));
+        assert!(said(Range::from(8.0), f64::NAN).unwrap().contains("at least 8"));
         assert!(said(Range::POSITIVE, f64::INFINITY).is_some());
         assert_eq!((said(Range::between(0.0, 1.0), 0.0), said(Range::between(0.0, 1.0), 1.0)), (None, None));
         assert!(said(Range::between(2.0, 1e4), 1.0).unwrap().contains("2 to 10000"));
+        let below =
+            [Range::between, Range::over, Range::inside].map(|of| of(f64::NEG_INFINITY, 5.0).allowed());
+        assert_eq!(below, ["at most 5", "at most 5", "below 5"].map(|end| format!("a finite number, {end}")));
         assert!(said(Range::inside(-1.0, 1.0), 1.0).unwrap().contains("between -1 and 1, neither itself"));
     }
 

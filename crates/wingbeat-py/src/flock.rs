@@ -99,7 +99,7 @@ impl PyFlock {
             )));
         }
         if !(spread.is_finite() && spread >= 0.0) {
-            return Err(refused(Error::invalid("spread", spread, "a finite number, 0 or more")));
+            return Err(refused(Error::invalid("spread", spread, "a finite number, at least 0")));
         }
         let observations = self.0.reset(&seeds, spread);
         self.table(py, observations)

@@ -1,10 +1,10 @@
 //! The plots beside the picture: what is drawn of a record, by its columns.
 
+use wingbeat::math::DEGREES;
 use wingbeat::rig::cell::CHANNELS;
 use wingbeat::simulate::{Column, Record};
 use wingbeat_figures::TurnsOfBody;
 
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const MILLIMETRES: f64 = 1e3;
 /// Most panels of a record that is drawn column by column.
 const MOST_PANELS: usize = 40;

@@ -416,7 +416,7 @@ fn planned_run(files: Files, stem: &str, name: &str) -> Result<ShownRun, Error> 
                 (format!("{prefix}{}", k % dof + 1), unit)
             }
         };
-        let factor = if k == 0 { 1.0 } else { std::f64::consts::PI / 180.0 };
+        let factor = if k == 0 { 1.0 } else { wingbeat::math::RADIANS };
         let values = column.values.iter().map(|value| factor * value).collect();
         Column { values, ..Column::new(name, unit, "") }
     };

@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use wingbeat::math::SEA_LEVEL_DENSITY;
 use wingbeat::scenario::{Document, DocumentKind, RobotTrim, Scenario, TetherCase};
 
 use super::{as_word, head, is_taken, name_of, put};
 use crate::args::New;
 use crate::error::Error;
 use crate::say;
-use crate::show::AROUND;
+use crate::show;
 use crate::tether::CaseTables;
 
 /// Writes what `text` makes of the document's name and folder, and what to do next.
@@ -58,7 +59,7 @@ const MANY: usize = 32;
 
 /// Whether a robot can be built on so many strips.
 fn flies(robot: &Document, strips: usize) -> bool {
-    let around = Document::text("new", AROUND).and_then(|around| around.put("robot", robot.clone()));
+    let around = Document::text("new", &show::around()).and_then(|around| around.put("robot", robot.clone()));
     let set = |around: Document| {
         around.set("aero.preset=full".to_owned()).set(format!("aero.full.strips={strips}"))
     };
@@ -68,7 +69,7 @@ fn flies(robot: &Document, strips: usize) -> bool {
 /// A flight of the robot in a file without controller, or the search of its periodic flight.
 pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<String, Error> {
     let document = Document::file(robot)?;
-    let scenario = Scenario::new(Document::text("new", AROUND)?.put("robot", document.clone())?)?;
+    let scenario = Scenario::new(Document::text("new", &show::around())?.put("robot", document.clone())?)?;
     // A robot without surfaces flies too.
     let speed = scenario.guessed_speed().map_or(5.0, |speed| (10.0 * speed).round().max(1.0) / 10.0);
     let trim = match trim {
@@ -89,7 +90,7 @@ pub fn flight(name: &str, robot: &Path, folder: &Path, trim: bool) -> Result<Str
     };
     let mut text = head(DocumentKind::Scenario);
     text += &format!(
-        "name = \"{name}\"\n{named}\n[air]\ndensity_kg_m3 = 1.225        # ISA, sea level\n\n\
+        "name = \"{name}\"\n{named}\n[air]\ndensity_kg_m3 = {SEA_LEVEL_DENSITY}        # ISA, sea level\n\n\
          [aero]\npreset = \"full\"              # strips with unsteady loads and wash; or \"paper\", a lifting line\n\
          law = \"stall\"                # or \"linear\", \"lev\"\n\n[aero.full]\nstrips = {strips}                   # along the span\n\n\
          [start]\nvelocity_m_s = [{speed:.1}, 0.0, 0.0]   # about where the surfaces, as they stand at the start, carry the weight at CL .6\n\

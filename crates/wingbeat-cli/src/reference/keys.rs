@@ -228,8 +228,9 @@ fn range([low, high]: [Option<RangeEnd>; 2]) -> String {
             let below = if high.closed { "" } else { "below " };
             format!("{above}{} to {below}{}", number(low.at), number(high.at))
         }
-        (Some(low), None) => format!("{} or more", number(low.at)),
-        _ => String::new(),
+        (Some(low), None) => format!("at least {}", number(low.at)),
+        (None, Some(high)) => format!("at most {}", number(high.at)),
+        (None, None) => String::new(),
     }
 }
 

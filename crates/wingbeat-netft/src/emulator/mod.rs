@@ -9,10 +9,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use wingbeat::rig::netft::{RDT_PORT, Scale};
+use wingbeat::rig::netft::{self, RDT_PORT, Scale};
 
 use crate::Error;
 use stream::Stream;
+
+/// Samples per second inside the box, whole.
+const BOX_RATE: u32 = netft::BOX_RATE as u32;
 
 /// What the emulated cell feels.
 #[derive(Clone, Debug)]
@@ -28,7 +31,7 @@ impl Signal {
     pub fn at(&self, sample: u32) -> [f64; 6] {
         match self {
             Self::Flapping => {
-                let (s, c) = (std::f64::consts::TAU * 3.5 * f64::from(sample) / 7000.0).sin_cos();
+                let (s, c) = (std::f64::consts::TAU * 3.5 * f64::from(sample) / netft::BOX_RATE).sin_cos();
                 let bend = 2.0 * s * c;
                 [0.01 * c, 0.02 * s, 0.4 * s + 0.1 * bend - 0.45, 1e-3 * s, 0.02 * c, 5e-4 * bend]
             }
@@ -209,7 +212,7 @@ impl Emulator {
             .map_err(|e| Error::network("UDP socket", e))?;
         tcp.set_nonblocking(true).map_err(|e| Error::network("TCP socket", e))?;
         let (stop, sent) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Sent::default())));
-        let rate = Arc::new(AtomicU32::new(7000));
+        let rate = Arc::new(AtomicU32::new(BOX_RATE));
         let (rdt, http) = (port(RDT_PORT), port(80));
         let stream = Stream::new(udp, signal, faults, Arc::clone(&sent), Arc::clone(&rate));
         let (halt, halt_pages) = (Arc::clone(&stop), Arc::clone(&stop));

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use super::SCALE;
+use super::{BOX_RATE, SCALE};
 
 /// Serves the pages until stopped.
 pub fn serve(listener: &TcpListener, rate: &AtomicU32, stop: &AtomicBool) {
@@ -34,7 +34,7 @@ fn answer(mut stream: TcpStream, rate: &AtomicU32) -> std::io::Result<()> {
                 rate.store(hz, Ordering::Relaxed);
                 ("200 OK", "<html>saved</html>".into())
             }
-            None => ("400 Bad Request", "comrdtrate: 1 to 7000".into()),
+            None => ("400 Bad Request", format!("comrdtrate: 1 to {BOX_RATE}")),
         },
         _ => ("404 Not Found", "no such page".into()),
     };
@@ -55,10 +55,10 @@ fn xml(prefix: &str, force: &str, torque: &str, rate: &AtomicU32) -> String {
     )
 }
 
-/// The nearest rate below that the box can make: 7000 over a whole number.
+/// The nearest rate below that the box can make: its own over a whole number.
 fn new_rate(path: &str) -> Option<u32> {
     let (_, query) = path.split_once('?')?;
     let wanted = query.split('&').find_map(|pair| pair.strip_prefix("comrdtrate="))?;
-    let hz = wanted.parse::<u32>().ok().filter(|hz| (1..=7000).contains(hz))?;
-    Some(7000 / 7000_u32.div_ceil(hz))
+    let hz = wanted.parse::<u32>().ok().filter(|hz| (1..=BOX_RATE).contains(hz))?;
+    Some(BOX_RATE / BOX_RATE.div_ceil(hz))
 }

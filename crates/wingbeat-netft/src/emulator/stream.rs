@@ -9,12 +9,10 @@ use std::time::{Duration, Instant};
 use wingbeat::math::Random;
 use wingbeat::rig::netft::{Command, RECORD_BYTES, RdtRecord, Request};
 
-use super::{Faults, LoadPattern, RecordNumbering, SCALE, Sent, Signal};
+use super::{BOX_RATE, Faults, LoadPattern, RecordNumbering, SCALE, Sent, Signal};
 
 /// Records of a buffered datagram.
 const PACK: usize = 28;
-/// Samples per second inside the box.
-const BOX_RATE: u32 = 7000;
 /// By how much numbers leap.
 const JUMP: u32 = 1 << 30;
 /// Time in which a box that restarts hears nothing.

@@ -11,8 +11,7 @@ pub use pins::LinkagePin;
 
 use super::planar::Planar;
 use closure::Loop;
-use wingbeat_math::Error;
-use wingbeat_math::{Jet, Meets, Scalar};
+use wingbeat_math::{Error, Jet, Meets, RADIANS, Scalar};
 use wingbeat_ocp::plant::Fault;
 
 /// Smallest margin 1 - |cos| of a loop's elbow, dimensionless: rates grow as 1/sqrt(margin).
@@ -20,9 +19,6 @@ pub const MARGIN_LIMIT: f64 = 0.003;
 
 /// Names of the regulated lengths, in the order of every displacement.
 pub const REGULATED: [&str; 3] = ["l3b", "l5a", "l5b"];
-
-/// Radians in a degree.
-const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
 /// Crank positions at which a new linkage is tried.
 const TRIALS: usize = 360;

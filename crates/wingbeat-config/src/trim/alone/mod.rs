@@ -28,16 +28,20 @@ use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{FoundOrbit, Measures, OrbitSection, Point, measure, search, search_from};
 use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Status, Warning};
-use wingbeat_math::Error;
 use wingbeat_math::order::{ascend_by, filled};
 use wingbeat_math::range::{Range, ranges};
+use wingbeat_math::{Error, SEA_LEVEL_DENSITY};
 use wingbeat_robot::{LinkSide, Outline, RobotSpec};
 
 /// What messages call the scenario that stands around a robot.
 const SCENARIO: &str = "the scenario that `trim` puts around a robot";
 /// What stands around a robot: still air at sea level, strips under law `stall`.
-const AROUND: &str = "[air]\ndensity_kg_m3 = 1.225\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\nstep_s = \
-                      5e-4\nrecord_every_s = 2e-3\n";
+fn around() -> String {
+    format!(
+        "name = \"trim\"\n[air]\ndensity_kg_m3 = {SEA_LEVEL_DENSITY}\n[aero]\npreset = \"full\"\nlaw = \"stall\"\n[flight]\nduration_s = 2.0\n\
+         step_s = 5e-4\nrecord_every_s = 2e-3\n"
+    )
+}
 /// Strips of a surface, where its hinges do not ask for more, and of all together at most. *Choice*: a turn takes half the time of one
 /// with 9; and what a robot may have.
 const STRIPS: [usize; 2] = [7, 32];
@@ -221,7 +225,7 @@ impl RobotTrim {
             let allowed = "none with a robot's file, whose speed and gait `trim` chooses: `wingbeat new trim` writes a scenario that gives them";
             return Err(robot.explain(&Error::invalid(key.trim(), value, allowed)));
         }
-        let around = Document::text(SCENARIO, &format!("name = \"trim\"\n{AROUND}"))?;
+        let around = Document::text(SCENARIO, &around())?;
         let own: RobotSpec = robot.parse()?;
         let surfaces = own.surfaces.len() + usize::from(own.wing.is_some());
         let most = STRIPS[1] / surfaces.max(1);

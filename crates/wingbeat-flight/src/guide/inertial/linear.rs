@@ -166,7 +166,7 @@ mod tests {
     fn errors_grow_as_their_rates_say() {
         let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/aerobat_paper.toml"));
         let spec: RobotSpec = toml::from_str(text).unwrap();
-        let air = Air { density: 1.225, wind: Wind::steady(Vec3::ZERO) };
+        let air = Air { density: wingbeat_math::SEA_LEVEL_DENSITY, wind: Wind::steady(Vec3::ZERO) };
         let outlines = spec.outlines().unwrap();
         let aero = outlines.iter().map(|outline| {
             let settings = wingbeat_aero::StripSettings {
