@@ -14,6 +14,6 @@ pub use crate::sound::rows;
 pub use crate::tether::{change, ladder, observed_order};
 pub use crate::trim::alone::balance::least;
 pub use crate::trim::alone::guess::Size;
-pub use crate::trim::alone::{RobotTrim, STALLED};
+pub use crate::trim::alone::{RobotTrim, STALLED, next};
 pub use crate::trim::search::descent::{DescentPoint, Ended, Landscape, Slopes, descend};
 pub use crate::trim::search::quadratic::{QuadraticStep, step};

@@ -62,15 +62,15 @@ const TOLD_DEG: [f64; 2] = [12.0, 20.0];
 /// Half the width of the soft edge, deg: choice.
 const SOFT_DEG: f64 = 3.0;
 
-/// Shares of a wing over a cycle beyond 12 and 20 deg of incidence.
+/// What of a wing over a cycle is beyond 12 and 20 deg of incidence.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StallShares {
-    /// Of U^2 c dy dt, U the speed of the strip's quarter chord in the air.
+    /// Shares of U^2 c dy dt, U the speed of the strip's quarter chord in the air.
     pub sharp: [f64; 2],
-    /// The same with an edge of `SOFT_DEG` to either side in place of a sharp one: where an incidence only just passes
+    /// The shares with an edge of `SOFT_DEG` to either side in place of a sharp one: where an incidence only just passes
     /// the edge and turns, the sharp ones change by the root of what the gait changes by.
     pub soft: [f64; 2],
-    /// The same of strips and time alone, as flights count.
+    /// The same shares of strips and time alone, as flights count.
     pub strips: [f64; 2],
     /// Mean shares of separated flow and of lost suction, weighted as the first.
     pub separated: [f64; 2],

@@ -275,7 +275,7 @@ fn a_smoothed_table_says_what_it_left() {
 fn bad_input_is_one_message_and_no_folder() {
     let folder = scratch("tether-bad");
     for (set, part) in [
-        ("time.cycles=0", "1 or more"),
+        ("time.cycles=0", "at least 1"),
         ("wing.cd0=nan", "finite"),
         ("wing.hinges[0].arc_m=9.0", "the tip"),
         ("aero.full.strips=0", "strips"),

@@ -251,9 +251,9 @@ enum StepBegin {
     /// Nothing: all begins at once, so that what air and motion agree on at the end of the first step holds from its begin on.
     AtOnce,
     /// What it bore at the end of the first step.
-    Second(BeyondLoads),
+    Second(Box<BeyondLoads>),
     /// What it bore at the end of the last step, and at the begin of that.
-    Later { end: BeyondLoads, before: BeyondLoads },
+    Later { end: Box<BeyondLoads>, before: Box<BeyondLoads> },
 }
 
 struct CoupledSteps<'a> {
@@ -281,7 +281,7 @@ impl CoupledSteps<'_> {
             let known = match &begin {
                 StepBegin::AtOnce => loads.with(&loads, |_, _| 0.0),
                 StepBegin::Second(end) | StepBegin::Later { end, .. } => {
-                    self.settled(stepper, &loads, end.clone())?
+                    self.settled(stepper, &loads, BeyondLoads::clone(end))?
                 }
             };
             if taken == steps {
@@ -303,12 +303,15 @@ impl CoupledSteps<'_> {
                 return Ok(ending);
             }
             taken += now;
-            let end = memory.at(stepper.time());
+            let end = Box::new(memory.at(stepper.time()));
             if now < every {
                 let own = own_loads(stepper, &end)?;
                 loads = end.with(&own, |load, own| load + own);
             }
-            begin = if at_once { StepBegin::Second(end) } else { StepBegin::Later { end, before: known } };
+            begin = match at_once {
+                true => StepBegin::Second(end),
+                false => StepBegin::Later { end, before: Box::new(known) },
+            };
         }
     }
 

@@ -710,7 +710,7 @@ fn bad_cases_are_refused_with_their_place() {
             "wing.membrane.ribs_m[1] = 5.0: allowed is 0 to the tip",
         ),
         ("time.cycles=100000000000", "at most 500000 steps"),
-        ("time.steps_per_cycle=2", "8 or more"),
+        ("time.steps_per_cycle=2", "at least 8"),
         ("wind.speed_m_s=0", "wind.speed_m_s = 0"),
         ("wing.colour=1", "colour"),
         ("compare.scale.force_z=nan", "compare.scale.force_z = nan: allowed is a finite number"),

@@ -1,9 +1,15 @@
 //! Where the search for a robot's flight begins: scaling laws.
 
-use wingbeat_math::GRAVITY;
+use crate::{ConfigError, Scenario};
+use wingbeat_judge::limits::trim;
+use wingbeat_math::{Error, GRAVITY};
+use wingbeat_robot::Outline;
 
 /// Lift coefficient of the speed to begin from. *Choice*: well below stall.
 const LIFT: f64 = 0.6;
+/// Room that the wings are to keep, as a share of the span, and of what they have as the gait starts. *Choices*: a bank takes about
+/// 20 mm of a span of .4 m.
+const ROOM: [f64; 2] = [0.05, 0.7];
 
 /// What the laws take.
 #[derive(Clone, Copy, Debug)]
@@ -45,5 +51,43 @@ impl Size {
             * self.span.powf(-23.0 / 24.0)
             * self.wing.powf(-1.0 / 3.0)
             * self.density.powf(-0.375)
+    }
+}
+
+/// Area of an outline between its ribs as seen from above, m2: half of the cross product of the diagonals of each quadrilateral, of which
+/// a fin has none.
+fn area(outline: &Outline) -> f64 {
+    let covered = outline.ribs.windows(2).zip(&outline.covered).filter(|(_, covered)| **covered);
+    covered.map(|(ribs, _)| 0.5 * (ribs[1][1] - ribs[0][0]).cross(ribs[1][0] - ribs[0][1])[2].abs()).sum()
+}
+
+impl Scenario {
+    /// What scaling laws take of the robot, its wings as its gait starts.
+    pub(super) fn size(&self) -> Result<Size, Error> {
+        let still = self.model.at_rest(0.0);
+        let still = still.map_err(|fault| Error::invalid("robot", fault, "a robot that can be evaluated"))?;
+        let areas: Vec<f64> = still.outlines.iter().map(area).collect();
+        let (area, wing) = (areas.iter().sum::<f64>(), areas.iter().copied().fold(0.0, f64::max));
+        let widest = still.outlines.iter().map(|outline| {
+            let tips = outline.ribs.iter().map(|rib| rib[0][1]);
+            tips.clone().fold(0.0, f64::max) - tips.fold(0.0, f64::min)
+        });
+        let span = widest.fold(0.0, f64::max);
+        if !(area > 0.0 && span > 0.0) {
+            return Err(Error::invalid("robot.surfaces", "no area", "a surface that carries"));
+        }
+        let seen = self.model.observe(0.0, &self.start_of(&self.model), &self.held_commands());
+        let least =
+            seen.map_or(f64::INFINITY, |seen| seen.clearances.iter().copied().fold(f64::INFINITY, f64::min));
+        let room = (ROOM[0] * span).min(ROOM[1] * least).max(trim::SKIN.value);
+        Ok(Size { mass: self.model.mass(), span, area, wing, density: self.spec.air.density_kg_m3, room })
+    }
+
+    /// Speed at which all surfaces of the robot carry its weight at a lift coefficient of .6, m/s.
+    ///
+    /// # Errors
+    /// A robot without surfaces.
+    pub fn guessed_speed(&self) -> Result<f64, ConfigError> {
+        Ok(self.size().map_err(|error| self.explain(&error))?.speed())
     }
 }
