@@ -12,6 +12,8 @@ const PARALLEL: f64 = 0.7;
 const OVERLAPS: f64 = 0.5;
 /// Distance of the ends of two surfaces over the larger chord there, up to which they are one wing in two pieces. *Choice.*
 const MEETS: f64 = 0.1;
+/// Part of a strip's width beyond its edges that counts as its own, where a wing is bent there. *Choice.*
+const BEYOND: f64 = 0.1;
 /// Shares of a chord from which the distance is taken.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
@@ -61,8 +63,8 @@ impl<'a> Plate<'a> {
                 let (start, span) = (at(from, 0.25), at(to, 0.25) - at(from, 0.25));
                 let quarter = at(line, 0.25);
                 let part = (quarter - start).dot(span) / span.norm_squared();
-                let ends = [j == 0, j + 1 == other.aero.strips()];
-                if (part < 0.0 && ends[0]) || (part > 1.0 && ends[1]) {
+                // Beside the strip are others, or the end of the plate.
+                if !(-BEYOND..=1.0 + BEYOND).contains(&part) {
                     continue;
                 }
                 let nearest = start + span * part.clamp(0.0, 1.0);

@@ -41,6 +41,7 @@ mod power;
 #[cfg(target_arch = "x86_64")]
 mod processor;
 mod published;
+mod range;
 mod refusals;
 mod residual;
 mod rig;
