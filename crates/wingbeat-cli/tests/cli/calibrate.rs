@@ -156,6 +156,45 @@ fn data_that_are_wrong_end_with_their_name_and_exit_code() {
     }
 }
 
+/// Mean and deviation.
+fn spread(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let square = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    [mean, square.sqrt()]
+}
+
+#[test]
+fn a_sweep_draws_the_fit_that_was_written() {
+    const NAME: &str = "surfaces.wing.lift_slope_per_rad";
+    let folder = scratch("calibrate-drawn");
+    write(&folder.join("good.csv"), &measured("linear"), &|_, row, _| row);
+    let file = calibration(&folder, "good.csv");
+    assert_eq!(wingbeat(&folder, &["calibrate", &file, "--out", "fit"]).status.code(), Some(0));
+    let numbers: toml::Table = fs::read_to_string(folder.join("fit/numbers.toml")).unwrap().parse().unwrap();
+    let told = &numbers["uncertainty"];
+    assert_eq!(told["of"][0].as_str(), Some(NAME));
+    let [value, error] = [&numbers[NAME], &told["standard_error"][0]].map(|of| of.as_float().unwrap());
+    assert!((value - 5.9).abs() < 4.0 * error && error > 0.0, "{value} +- {error}");
+    let case = root().join("cases/flap_f2.toml");
+    let text = format!(
+        "name = \"drawn\"\ncase = {case:?}\nset = [\"time.steps_per_cycle=12\", \"aero.law=linear\"]\nruns = 40\n\
+         [[draws]]\nkey = \"numbers\"\nfit = \"fit/numbers.toml\"\n"
+    );
+    fs::write(folder.join("drawn.toml"), text).unwrap();
+    let swept = wingbeat(&folder, &["sweep", "drawn.toml", "--out", "swept"]);
+    println!("{}", String::from_utf8_lossy(&swept.stderr));
+    assert!(folder.join("swept/runs.csv").is_file());
+    let rows = fs::read_to_string(folder.join("swept/runs.csv")).unwrap();
+    let head: Vec<&str> = rows.lines().next().unwrap().split(',').collect();
+    let at = head.iter().position(|name| name.contains(NAME)).unwrap_or_else(|| panic!("{head:?}"));
+    let drawn: Vec<f64> =
+        rows.lines().skip(1).map(|row| row.split(',').nth(at).unwrap().parse().unwrap()).collect();
+    // Of 40 draws the mean has a deviation of 0.16 errors, the deviation of 0.11.
+    let [mean, deviation] = spread(&drawn);
+    assert!(drawn.len() == 40 && (mean - value).abs() < 0.6 * error, "{mean}");
+    assert!((deviation / error - 1.0).abs() < 0.4, "{deviation}");
+}
+
 /// The standard error of a parameter as the information tells it for a file, from all runs.
 fn promised(folder: &Path, data: &str) -> f64 {
     let file = calibration(folder, data);
