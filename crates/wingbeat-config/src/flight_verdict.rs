@@ -1,6 +1,6 @@
 //! The verdict on a flight: its goal, the limits of the task without one, and what a reader must know.
 
-use super::measure::speed;
+use super::measure::asked_speed;
 use super::moved::fraction_of;
 use super::plausible;
 use super::spec::GoalSpec;
@@ -206,7 +206,7 @@ impl JudgedFlight<'_> {
         judge.hold_if(&flight::ALONG, summary.path.as_ref().map(|path| path.along_max_m));
         // A landing and a dive have speeds of their own.
         if summary.perch.is_none() && summary.dive.is_none() {
-            judge.hold_if(&flight::SPEED, summary.measured.get(speed::FRACTION));
+            judge.hold_if(&flight::SPEED, summary.measured.get(asked_speed::FRACTION));
         }
         judge.hold_if(&flight::PLACE, summary.hover.as_ref().map(|hover| hover.place_rms_m));
         let has_height = height.is_some() || summary.hover.is_some();

@@ -77,11 +77,11 @@ pub struct FlightMeans {
     pub stalled: StallCount,
     /// Share of strips that the wind meets from behind, at an angle of attack above 135 degrees.
     pub reversed_fraction: f64,
-    /// Mean Reynolds number of the strips, by their own chords and speeds; none where there is no air.
+    /// Mean Reynolds number of the strips, by their own chords and speeds, dimensionless; none where there is no air.
     pub reynolds: Option<f64>,
     /// Largest speed of a strip through the mean wind, from sample to sample, m/s.
     pub fastest_m_s: f64,
-    /// Least distance of surfaces that lie on one another, over the larger chord; none where none do.
+    /// Least distance of surfaces that lie on one another, over the larger chord, dimensionless; none where none do.
     pub surfaces_apart: Option<f64>,
     /// Means over strips and samples: separated share of the flow, share of the suction that law `lev` takes away.
     pub separated_fraction: f64,

@@ -22,8 +22,8 @@ const LIMITS: [CopyLimit; 4] = [
     CopyLimit { name: "deserialize_struct", holds: ["18deserialize_struct17h", ""], most: 143 },
 ];
 
-/// Most code of the program with all formats, without incremental builds: 15.82 MB.
-const MOST_CODE: f64 = 15.9;
+/// Most code of the program with all formats, without incremental builds: 15.93 MB.
+const MOST_CODE: f64 = 15.95;
 
 /// Counts the copies in the program that was built.
 pub fn check() -> Tally {

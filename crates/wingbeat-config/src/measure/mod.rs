@@ -18,9 +18,9 @@ macro_rules! measures {
 }
 
 measures! {
+    asked_speed,
     joint_power,
     motor,
-    speed,
 }
 
 /// A number that a record tells of a flight.
