@@ -196,6 +196,11 @@ impl Sweep {
         &self.drawn.draws
     }
 
+    /// The place in the file of what draws number `k` of [`draws`](Self::draws).
+    pub(super) fn place(&self, k: usize) -> usize {
+        self.drawn.places[k]
+    }
+
     /// The values drawn for run `run`, in the order of [`draws`](Self::draws) and in the units of their keys. Random numbers are from a
     /// stream of its own for every run, so that order and interruption do not matter. Of a grid the last draw varies fastest.
     pub fn values(&self, run: usize) -> Vec<f64> {

@@ -69,7 +69,7 @@ impl SweepOf {
 impl Sweep {
     /// The columns of a row, still empty: number of the run, its draws, its measures.
     pub fn columns(&self) -> Vec<Column> {
-        let draws = self.spec.draws.iter().map(|draw| Column::new(draw.key.clone(), unit(&draw.key), ""));
+        let draws = self.draws().iter().map(|draw| Column::new(draw.key.clone(), unit(&draw.key), ""));
         let measures = self.of.measures().into_iter().map(|(name, unit)| Column::new(name, unit, ""));
         std::iter::once(Column::new("run", "", "")).chain(draws).chain(measures).collect()
     }
@@ -81,7 +81,7 @@ impl Sweep {
             return todo.into_iter().map(|run| vec![run]).collect();
         }
         let listed = |run: usize| -> Vec<u64> {
-            let values = self.spec.draws.iter().zip(self.values(run));
+            let values = self.draws().iter().zip(self.values(run));
             values.filter(|(draw, _)| !draw.values.is_empty()).map(|(_, value)| value.to_bits()).collect()
         };
         todo.sort_by_cached_key(|run| listed(*run));
@@ -161,7 +161,7 @@ impl Sweep {
 
     /// Whether `row`, in the units of the columns, is that of a run of the sweep: its number and its draws.
     pub fn has_row(&self, row: &[f64]) -> bool {
-        let draws = self.spec.draws.len();
+        let draws = self.draws().len();
         let run = row.first().copied().unwrap_or(f64::NAN);
         row.len() == 1 + draws + self.of.measures().len()
             && run.fract() == 0.0

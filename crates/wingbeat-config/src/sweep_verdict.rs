@@ -110,7 +110,7 @@ impl Sweep {
             .collect();
         let results: Vec<&[f64]> =
             self.of.measures().iter().map(|(name, _)| column(name)).filter(|of| !of.is_empty()).collect();
-        let draws: Vec<&[f64]> = self.spec.draws.iter().map(|draw| column(&draw.key)).collect();
+        let draws: Vec<&[f64]> = self.draws().iter().map(|draw| column(&draw.key)).collect();
         let bits =
             |columns: &[&[f64]], row: usize| columns.iter().map(|of| of[row].to_bits()).collect::<Vec<_>>();
         let agree =
@@ -121,7 +121,7 @@ impl Sweep {
             let own = draws[k];
             if all_agree {
                 let other = completed.iter().filter(|row| own[**row] != own[completed[0]]).count();
-                return in_vain(k, draw, other);
+                return in_vain(self.place(k), draw, other);
             }
             let others: Vec<&[f64]> =
                 draws.iter().enumerate().filter(|(o, _)| *o != k).map(|(_, of)| *of).collect();
@@ -136,9 +136,9 @@ impl Sweep {
                 }
                 compared += other.len();
             }
-            in_vain(k, draw, compared)
+            in_vain(self.place(k), draw, compared)
         };
-        self.spec.draws.iter().enumerate().filter_map(told).collect()
+        self.draws().iter().enumerate().filter_map(told).collect()
     }
 }
 
