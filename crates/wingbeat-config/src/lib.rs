@@ -610,6 +610,7 @@ impl Scenario {
         summary.warnings.extend(unheard::unlifted(&self.robot));
         summary.warnings.extend(nearness::in_pieces(&self.robot));
         summary.warnings.extend(self.spec.never_begun(&self.choice));
+        summary.warnings.extend(self.spec.unweighed());
         if schedule.steps_per_update.is_none() {
             summary.warnings.extend(self.spec.unfollowed());
         }

@@ -234,6 +234,17 @@ impl ScenarioSpec {
         })
     }
 
+    /// The warning that the predictive controller has a clearance, and no weight for it.
+    pub(super) fn unweighed(&self) -> Option<Warning> {
+        let spec = self.controller.as_ref()?.shipped()?;
+        let (key, asked) = (format!("{}.clearance_m", self.controller_table()), spec.clearance_m);
+        let text = format!(
+            "{key} = {asked} has no effect: weights.clearance, which weighs what is short of it, is 0"
+        );
+        let vain = asked != 0.0 && spec.weights.clearance == 0.0;
+        vain.then(|| Warning::new("flight.clearance_unheard", text).size(asked).key(key))
+    }
+
     /// The warnings of what begins when the flight is over, and so is never flown.
     pub(super) fn never_begun(&self, choice: &ChosenKinds) -> impl Iterator<Item = Warning> {
         let table = |table: String| move |(key, start): (String, f64)| (format!("{table}.{key}"), start);

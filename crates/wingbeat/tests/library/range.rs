@@ -108,6 +108,16 @@ fn what_no_controller_follows_is_told() {
     assert_eq!(said(&fly("banking_turn", &given[..1]), "flight.not_controlled"), 0);
 }
 
+#[test]
+fn a_clearance_without_a_weight_is_told() {
+    let told = |more: &[&str]| {
+        said(&fly("banking_turn", &[&["flight.duration_s=0.05"], more].concat()), "flight.clearance_unheard")
+    };
+    assert_eq!(told(&[]), 0);
+    assert_eq!(told(&["controller.clearance_m=0.03"]), 1);
+    assert_eq!(told(&["controller.clearance_m=0.03", "controller.weights.clearance=1.0"]), 0);
+}
+
 /// A flight of rectangular plates of 0.1 m chord, each given by name, side, half span and place, m.
 fn plates(of: &[(&str, &str, f64, [f64; 3])]) -> Summary {
     let mut text = String::from(
