@@ -17,8 +17,7 @@ pub fn write() -> bool {
 /// Writes docs/cli.md, docs/reference.md, docs/schema, docs/equations.md, docs/paper-commands.md, docs/python_reference.md and the tables of
 /// docs/sections.md and docs/verdicts.md again.
 pub fn reference() -> bool {
-    let mut reference =
-        tools::cargo(&["test", "--release", "--quiet", "--workspace", "--bin", "wingbeat", "reference"]);
+    let mut reference = tools::cargo(&["test", "--release", "--quiet", "--workspace", "--lib", "reference"]);
     reference.env("WINGBEAT_WRITE_DOCS", "1");
     let mut tables =
         tools::cargo(&["test", "--release", "--quiet", "--workspace", "--test", "ledger", "the_page_of"]);
