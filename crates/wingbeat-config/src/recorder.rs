@@ -107,6 +107,8 @@ pub struct Recorder<'a> {
     mass: f64,
     manoeuvre: Option<&'a dyn Manoeuvre>,
     record: Record,
+    /// Columns of what the sensors read.
+    readings: usize,
     row: Vec<f64>,
     /// Loads of the sample before, to be written over.
     loads: Option<Box<Loads<f64>>>,
@@ -133,12 +135,12 @@ struct StripRows {
 }
 
 impl<'a> Recorder<'a> {
-    /// An empty record of `robot` under `controller` with room for `rows` samples; with
-    /// `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
+    /// An empty record of `robot` under `controller`, with columns for the `readings` of its sensors and room for `rows`
+    /// samples; with `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
     pub fn new(
         robot: &'a Robot,
         manoeuvre: Option<&'a dyn Manoeuvre>,
-        controller: &dyn Controller,
+        (controller, readings): (&dyn Controller, Vec<Column>),
         rows: usize,
         samples_per_strips: Option<usize>,
     ) -> Result<Self, Error> {
@@ -150,6 +152,8 @@ impl<'a> Recorder<'a> {
         let mut columns = columns(robot);
         columns.extend(controller.columns());
         if manoeuvre.is_some() {
+        let heard = readings.len();
+        columns.extend(readings);
             columns.extend(["roll_reference", "pitch_reference"].map(|n| Column::new(n, "rad", "WB")));
         }
         let width = columns.len();
@@ -158,6 +162,7 @@ impl<'a> Recorder<'a> {
             mass: robot.mass(),
             manoeuvre,
             record: Record::new(columns, rows)?,
+            readings: heard,
             row: Vec::with_capacity(width),
             loads: None,
             incidence: Vec::new(),
@@ -191,7 +196,7 @@ impl<'a> Recorder<'a> {
 
     /// Appends a sample and the controller's diagnostics.
     pub fn sample(&mut self, sample: &Sample, controller: &dyn Controller) -> Result<(), Fault> {
-        let Sample { t, x, u, beyond, .. } = *sample;
+        let Sample { t, x, u, beyond, readings, .. } = *sample;
         let loads = self.loads.take().unwrap_or_else(Loads::boxed);
         let o = self.robot.observe_beyond(t, x, u, beyond, loads)?;
         let layout = self.robot.layout();
@@ -231,6 +236,7 @@ impl<'a> Recorder<'a> {
         row.extend(x);
         controller.diagnostics(&mut row);
         let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
+        row.extend(&readings[..self.readings]);
         row.extend(asked.into_iter().flat_map(|asked| [asked.roll, asked.pitch]));
         let recorded = self.record.append_finite(&row);
         self.row = row;

@@ -227,6 +227,14 @@ def test_the_overrides_of_a_scenario_are_nearer_than_those_of_its_robot(turn):
         assert nearer.to_dict()["robot"]["body"]["mass_kg"] == 0.8
 
 
+def test_the_record_has_what_sensors_read(turn):
+    short = {"flight.duration_s": 0.05}
+    assert not [name for name in wingbeat.fly(turn, short).record if name.startswith("reading_")]
+    record = wingbeat.fly(turn, short | {"sensors.position_m": 0.001}).record
+    assert [name for name in record if name.startswith("reading_")] == [f"reading_p_WB_{axis}" for axis in "xyz"]
+    assert record.to_pandas().attrs["units"]["reading_p_WB_z"] == "m"
+
+
 def test_records_are_equal_by_their_values(turn):
     short = {"flight.duration_s": 0.02}
     one, other = (wingbeat.fly(turn, short).record for _ in range(2))
