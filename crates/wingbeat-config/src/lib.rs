@@ -492,7 +492,8 @@ impl Scenario {
         let breaks = self.spec.air.breaks();
         let asked = asked_error.map(|error| Accuracy { error, reach: &reach, breaks: &breaks });
         let told = (&*controller, sensors.columns(schedule.steps_per_update.is_some()));
-        let mut recorder = Recorder::new(&self.robot, self.manoeuvre(), told, rows, self.samples_per_strips)?;
+        let mut recorder = Recorder::new(&self.robot, self.manoeuvre(), told, rows, self.samples_per_strips)
+            .map_err(|error| recorder::of_part(&self.spec.robot, error))?;
         recorder.beside(self.spec.perch.as_ref());
         let mut x = self.start();
         let see = |sample: &Sample, controller: &(dyn Controller + 'c)| {

@@ -8,6 +8,7 @@ use super::perch::{self, PerchSpec};
 use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
+use std::cmp::Reverse;
 use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, FROM_BEHIND, LoadSource, Loads, StallCount, StripState};
 use wingbeat_flight::guide::Manoeuvre;
@@ -19,7 +20,7 @@ use wingbeat_judge::limits::range;
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Robot, RobotSpec};
 
 /// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
@@ -106,9 +107,9 @@ pub struct Recorder<'a> {
     /// Of the robot, kg.
     mass: f64,
     manoeuvre: Option<&'a dyn Manoeuvre>,
-    record: Record,
     /// Columns of what the sensors read.
     readings: usize,
+    record: Record,
     row: Vec<f64>,
     /// Loads of the sample before, to be written over.
     loads: Option<Box<Loads<f64>>>,
@@ -151,9 +152,9 @@ impl<'a> Recorder<'a> {
         };
         let mut columns = columns(robot);
         columns.extend(controller.columns());
-        if manoeuvre.is_some() {
         let heard = readings.len();
         columns.extend(readings);
+        if manoeuvre.is_some() {
             columns.extend(["roll_reference", "pitch_reference"].map(|n| Column::new(n, "rad", "WB")));
         }
         let width = columns.len();
@@ -161,8 +162,8 @@ impl<'a> Recorder<'a> {
             robot,
             mass: robot.mass(),
             manoeuvre,
-            record: Record::new(columns, rows)?,
             readings: heard,
+            record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
             loads: None,
             incidence: Vec::new(),
@@ -235,8 +236,8 @@ impl<'a> Recorder<'a> {
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
-        let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
         row.extend(&readings[..self.readings]);
+        let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
         row.extend(asked.into_iter().flat_map(|asked| [asked.roll, asked.pitch]));
         let recorded = self.record.append_finite(&row);
         self.row = row;
@@ -372,6 +373,29 @@ pub(super) fn joint_columns(robot: &Robot) -> impl Iterator<Item = Column> {
     let coordinates = robot.joint_names().enumerate().map(move |(i, n)| Column::new(n, units(i)[0], ""));
     let efforts = robot.joint_names().enumerate();
     coordinates.chain(efforts.map(move |(i, n)| Column::new(format!("torque_{n}"), units(i)[2], "")))
+}
+
+/// Refuses a name of a part of `spec`, of which `robot` is made, that is or makes the name of another column of the record.
+pub(super) fn check_columns(spec: &RobotSpec, robot: &Robot) -> Result<(), Error> {
+    Record::new(columns(robot), 0).map(drop).map_err(|error| of_part(spec, error))
+}
+
+/// The error of a column that comes twice, told of the part of `spec` that the column is called after: of those whose name is in
+/// the column's the one with the longest.
+pub(super) fn of_part(spec: &RobotSpec, error: Error) -> Error {
+    let Error::Invalid { key, value, .. } = &error;
+    if key != Record::COLUMN {
+        return error;
+    }
+    let parts = spec.named_parts().into_iter().flatten();
+    let within = |name: &str| format!("_{value}_").contains(&format!("_{name}_"));
+    match parts.filter(|(_, name)| within(name)).min_by_key(|(_, name)| Reverse(name.len())) {
+        Some((key, name)) => {
+            let allowed = format!("another name: the record of a flight has a column {value} already");
+            Error::invalid(key, format!("{name:?}"), allowed).within("robot")
+        }
+        None => error,
+    }
 }
 
 fn columns(robot: &Robot) -> Vec<Column> {
