@@ -580,6 +580,7 @@ impl Scenario {
         let context = summary::Context {
             robot: &self.robot,
             lattice,
+            strips_chord_m: self.spec.strips_chord_m(),
             panels: self.spec.lattice.as_ref().map(|spec| [spec.chordwise, spec.spanwise]),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),
