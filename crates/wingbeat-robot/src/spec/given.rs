@@ -60,8 +60,8 @@ pub struct FitUncertainty {
     pub standard_error: Vec<f64>,
     /// Rows of the correlations of their estimates, dimensionless.
     pub correlation: Vec<Vec<f64>>,
-    /// Degrees of freedom of the standard errors, dimensionless: the cycles beyond their means that told the noise. Draws are of
-    /// Student's distribution with so many; of the normal one where the file has none.
+    /// Degrees of freedom of the standard errors, dimensionless: the cycles beyond their means from which the noise is known. Draws
+    /// are of Student's distribution with so many; of the normal one where the file has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degrees_of_freedom: Option<f64>,
 }
