@@ -292,7 +292,7 @@ pub fn residual(found: &CalibrationResult, files: &SampleFiles, commit: &str) ->
     Some(text)
 }
 
-/// Standard errors and correlations of the parameters of which the data say anything, as a line of a file of numbers.
+/// Standard errors with their degrees of freedom and correlations of the parameters of which the data say anything, as a line of a file of numbers.
 fn uncertainty(found: &CalibrationResult) -> String {
     let told: Vec<usize> =
         (0..found.errors.len()).filter(|k| found.errors[*k].is_finite() && found.errors[*k] > 0.0).collect();
@@ -303,7 +303,12 @@ fn uncertainty(found: &CalibrationResult) -> String {
     let errors: Vec<f64> = told.iter().map(|k| found.errors[*k]).collect();
     let rows: Vec<Vec<f64>> =
         told.iter().map(|i| told.iter().map(|j| found.correlations[*i][*j]).collect()).collect();
-    format!("uncertainty = {{ of = {names:?}, standard_error = {errors:?}, correlation = {rows:?} }}\n")
+    let freedom = found.freedom;
+    let freedom =
+        if freedom.is_finite() { format!(", degrees_of_freedom = {freedom:?}") } else { String::new() };
+    format!(
+        "uncertainty = {{ of = {names:?}, standard_error = {errors:?}, correlation = {rows:?}{freedom} }}\n"
+    )
 }
 
 /// The numbers as a file that `robot.numbers` names; `commit` is that of the program.

@@ -5,6 +5,7 @@ use super::doors::ChosenKinds;
 use super::mismatch::Mismatch;
 use super::name::RunName;
 use super::plan::PlanSpec;
+use super::recorder::check_columns;
 use super::spec::{AeroSpec, GustSpec, ScenarioSpec, StartSpec};
 use wingbeat_aero::{
     Aero, LiftLaw, LiftingLine, LiftingLineSettings, Preset, SectionSettings, StripModel, StripSettings,
@@ -67,6 +68,7 @@ impl ScenarioSpec {
                 .against(Mismatch::KEYS.map(|key| format!("mismatch.{key}")))
         })?;
         let mut robot = self.over_ground(robot)?;
+        check_columns(&self.robot, &robot)?;
         let trim = self.trim.as_ref().map_or(0.0, |trim| trim.step_s);
         let orbit = if choice.controller.is_some() { ORBIT_STEP } else { 0.0 };
         self.follow(&mut model, self.flight.step_s.max(trim).max(orbit));

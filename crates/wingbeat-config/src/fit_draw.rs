@@ -7,7 +7,9 @@ use wingbeat_robot::FitUncertainty;
 
 /// How far correlations may miss what they must be, by rounding of what is printed. *Choice.*
 const ROUNDED: f64 = 1e-6;
-/// Standard errors on both sides at which a number is tried before any run. *Choice*: a draw lies beyond in 5 of 100.
+/// Fewest degrees of freedom, dimensionless: Student's distribution has a variance from above 2 on.
+const FEWEST: f64 = 3.0;
+/// Standard errors on both sides at which a number is tried before any run. *Choice*: a normal draw lies beyond in 5 of 100.
 pub(super) const TRIED: f64 = 2.0;
 
 /// The numbers of one draw of a fit.
@@ -19,18 +21,26 @@ pub(super) struct FitDraw {
     values: Vec<f64>,
     /// Rows of L, values + L z are drawn; each in the unit of its number.
     root: Vec<Vec<f64>>,
+    /// Degrees of freedom of the standard errors, if the fit tells them.
+    freedom: Option<f64>,
 }
 
 impl FitDraw {
-    /// Values of all numbers, each in its unit, from normal numbers z of deviation 1.
+    /// Values of all numbers, each in its unit, from normal numbers z of deviation 1 and chi squared with v degrees of freedom.
+    ///
+    /// An estimate misses its number by s z, s the true deviation, of which v cycles tell e with v e^2/s^2 a chi squared c independent of
+    /// z: the miss is e z sqrt(v/c), Student's t in standard errors. The noise of the same cycles is in the errors of all numbers, so that
+    /// one c serves all. That of the calibration's intervals is the same v. Without it sqrt(v/c) is 1, as of many cycles.
     ///
     /// Equation: config.fit_draws
-    /// `x = values + diag(e) V sqrt(Lambda) z, V Lambda V^T the correlation, e the standard errors`
-    /// Source: covariance of a linear map of independent normals. Normal, though few cycles tell the errors: a choice.
-    /// Test: `a_fit_is_drawn_with_its_errors_and_correlations`.
+    /// `x = values + diag(e) V sqrt(Lambda) z sqrt(v/c), V Lambda V^T the correlation, e the standard errors, c chi
+    /// squared with v degrees of freedom`
+    /// Source: multivariate t distribution, Kotz & Nadarajah 2004, ch. 1.
+    /// Test: `a_fit_of_few_cycles_is_drawn_by_student_s_distribution`.
     pub fn drawn(&self, random: &mut Random) -> Vec<f64> {
         let z: Vec<f64> = self.values.iter().map(|_| random.normal()).collect();
-        let off = |row: &Vec<f64>| row.iter().zip(&z).map(|(by, z)| by * z).sum::<f64>();
+        let wider = self.freedom.map_or(1.0, |freedom| (freedom / random.chi_squared(freedom)).sqrt());
+        let off = |row: &Vec<f64>| wider * row.iter().zip(&z).map(|(by, z)| by * z).sum::<f64>();
         self.values.iter().zip(&self.root).map(|(value, row)| value + off(row)).collect()
     }
 }
@@ -40,13 +50,17 @@ impl FitDraw {
 /// # Errors
 /// [`Error::Invalid`] for lists of other lengths, errors that are not positive, correlations that no draws have.
 fn root(uncertainty: &FitUncertainty) -> Result<Vec<Vec<f64>>, Error> {
-    let FitUncertainty { of, standard_error: errors, correlation: rows } = uncertainty;
+    let FitUncertainty { of, standard_error: errors, correlation: rows, degrees_of_freedom } = uncertainty;
     let n = of.len();
     if n == 0 || errors.len() != n || rows.len() != n || rows.iter().any(|row| row.len() != n) {
         let allowed = "names, as many of standard_error, and as many rows and columns of correlation";
         return Err(Error::invalid("of", n, allowed).against(["standard_error", "correlation"]));
     }
     require::all("standard_error", errors, require::positive)?;
+    if let Some(freedom) = degrees_of_freedom.filter(|freedom| !(FEWEST..f64::INFINITY).contains(freedom)) {
+        let allowed = format!("a number from {FEWEST} on: of fewer the draws have no variance");
+        return Err(Error::invalid("degrees_of_freedom", freedom, allowed));
+    }
     for (i, j) in (0..n * n).map(|k| (k / n, k % n)) {
         let asked = if i == j { 1.0 } else { rows[j][i] };
         if !((rows[i][j] - asked).abs() < ROUNDED) {
@@ -98,7 +112,8 @@ impl Draw {
                 ..Draw::default()
             });
         }
-        Ok(Some((FitDraw { draw, values, root }, draws)))
+        let freedom = uncertainty.degrees_of_freedom;
+        Ok(Some((FitDraw { draw, values, root, freedom }, draws)))
     }
 
     /// What is set before a fit is drawn: all of its numbers, held ones too.

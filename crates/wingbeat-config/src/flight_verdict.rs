@@ -7,7 +7,7 @@ use super::spec::GoalSpec;
 use super::stall;
 use super::summary::{Context, ControllerSummary, PartClearance, Summary, mean};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use wingbeat_aero::{Aero, induced_power};
+use wingbeat_aero::induced_power;
 use wingbeat_flight::guide::{Reference, angle_error};
 use wingbeat_flight::simulate::{Cost, Ending, Flight, Record};
 use wingbeat_judge::limits::{asked, flight, linkage, range, trim, wake};
@@ -251,16 +251,9 @@ impl JudgedFlight<'_> {
         (asked.abs() >= TURN).then(|| flown / square)
     }
 
-    /// Least distance from the ground over the mean chord of the largest surface, of strips.
+    /// Least distance from the ground over the largest mean chord of a surface, of strips.
     fn ground_chords(&self) -> Option<f64> {
-        let mean_chord = |aero: &Aero| {
-            let strips = || (0..aero.strips()).filter(|i| aero.covers(*i));
-            let area: f64 = strips().map(|i| aero.chord(i) * aero.widths()[i]).sum();
-            area / strips().map(|i| aero.widths()[i]).sum::<f64>()
-        };
-        let chord = self.context.robot.surfaces().map(|(_, aero)| mean_chord(aero)).reduce(f64::max)?;
-        let distance = self.summary.ground_distance_m.filter(|_| self.context.panels.is_none())?;
-        Some(distance / chord)
+        Some(self.summary.ground_distance_m? / self.context.strips_chord_m?)
     }
 
     /// Largest speed of body and strips through the mean wind, m/s.

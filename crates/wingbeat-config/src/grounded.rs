@@ -73,11 +73,15 @@ pub(super) fn near(distance: Option<f64>, chord: f64, key: &str) -> Option<Warni
 }
 
 impl ScenarioSpec {
+    /// Mean chord of the outline of the surface of which it is largest, m, in which a flight of strips tells how near it comes to a plane.
+    pub(super) fn strips_chord_m(&self) -> Option<f64> {
+        let outlines = self.robot.outlines().ok().filter(|_| self.lattice.is_none())?;
+        outlines.iter().map(|outline| outline.planform.mean_chord()).reduce(f64::max)
+    }
+
     /// That caution of a flight of strips.
     pub(super) fn near_ground(&self, distance: Option<f64>) -> Option<Warning> {
-        let outlines = self.robot.outlines().ok().filter(|_| self.lattice.is_none())?;
-        let chords = outlines.iter().map(|outline| outline.planform.mean_chord());
-        near(distance, chords.reduce(f64::max)?, KEY)
+        near(distance, self.strips_chord_m()?, KEY)
     }
 }
 

@@ -491,8 +491,9 @@ impl Scenario {
         let reach = |t: f64, states: [&[f64]; 2]| step_error::reach(self.robot.layout(), end - t, states);
         let breaks = self.spec.air.breaks();
         let asked = asked_error.map(|error| Accuracy { error, reach: &reach, breaks: &breaks });
-        let mut recorder =
-            Recorder::new(&self.robot, self.manoeuvre(), controller, rows, self.samples_per_strips)?;
+        let told = (&*controller, sensors.columns(schedule.steps_per_update.is_some()));
+        let mut recorder = Recorder::new(&self.robot, self.manoeuvre(), told, rows, self.samples_per_strips)
+            .map_err(|error| recorder::of_part(&self.spec.robot, error))?;
         recorder.beside(self.spec.perch.as_ref());
         let mut x = self.start();
         let see = |sample: &Sample, controller: &(dyn Controller + 'c)| {
@@ -579,6 +580,7 @@ impl Scenario {
         let context = summary::Context {
             robot: &self.robot,
             lattice,
+            strips_chord_m: self.spec.strips_chord_m(),
             panels: self.spec.lattice.as_ref().map(|spec| [spec.chordwise, spec.spanwise]),
             manoeuvre: self.manoeuvre(),
             goal: self.spec.goal.as_ref(),

@@ -8,6 +8,7 @@ use super::perch::{self, PerchSpec};
 use super::pinned::PinSummary;
 use super::skin::MembraneSummary;
 use super::summary::{LawState, mean};
+use std::cmp::Reverse;
 use std::f64::consts::TAU;
 use wingbeat_aero::{Aero, FROM_BEHIND, LoadSource, Loads, StallCount, StripState};
 use wingbeat_flight::guide::Manoeuvre;
@@ -19,7 +20,7 @@ use wingbeat_judge::limits::range;
 use wingbeat_math::Error;
 use wingbeat_math::{Mat3, Vec3, Wrench};
 use wingbeat_ocp::plant::{Fault, Plant};
-use wingbeat_robot::Robot;
+use wingbeat_robot::{Robot, RobotSpec};
 
 /// Lines of a surface recorded at each end of its panels.
 const LINES: [&str; 3] = ["hinge", "leading", "trailing"];
@@ -106,6 +107,8 @@ pub struct Recorder<'a> {
     /// Of the robot, kg.
     mass: f64,
     manoeuvre: Option<&'a dyn Manoeuvre>,
+    /// Columns of what the sensors read.
+    readings: usize,
     record: Record,
     row: Vec<f64>,
     /// Loads of the sample before, to be written over.
@@ -133,12 +136,12 @@ struct StripRows {
 }
 
 impl<'a> Recorder<'a> {
-    /// An empty record of `robot` under `controller` with room for `rows` samples; with
-    /// `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
+    /// An empty record of `robot` under `controller`, with columns for the `readings` of its sensors and room for `rows`
+    /// samples; with `samples_per_strips` the strips at every so many of them. What the `manoeuvre` asks is written last.
     pub fn new(
         robot: &'a Robot,
         manoeuvre: Option<&'a dyn Manoeuvre>,
-        controller: &dyn Controller,
+        (controller, readings): (&dyn Controller, Vec<Column>),
         rows: usize,
         samples_per_strips: Option<usize>,
     ) -> Result<Self, Error> {
@@ -149,6 +152,8 @@ impl<'a> Recorder<'a> {
         };
         let mut columns = columns(robot);
         columns.extend(controller.columns());
+        let heard = readings.len();
+        columns.extend(readings);
         if manoeuvre.is_some() {
             columns.extend(["roll_reference", "pitch_reference"].map(|n| Column::new(n, "rad", "WB")));
         }
@@ -157,6 +162,7 @@ impl<'a> Recorder<'a> {
             robot,
             mass: robot.mass(),
             manoeuvre,
+            readings: heard,
             record: Record::new(columns, rows)?,
             row: Vec::with_capacity(width),
             loads: None,
@@ -191,7 +197,7 @@ impl<'a> Recorder<'a> {
 
     /// Appends a sample and the controller's diagnostics.
     pub fn sample(&mut self, sample: &Sample, controller: &dyn Controller) -> Result<(), Fault> {
-        let Sample { t, x, u, beyond, .. } = *sample;
+        let Sample { t, x, u, beyond, readings, .. } = *sample;
         let loads = self.loads.take().unwrap_or_else(Loads::boxed);
         let o = self.robot.observe_beyond(t, x, u, beyond, loads)?;
         let layout = self.robot.layout();
@@ -230,6 +236,7 @@ impl<'a> Recorder<'a> {
         row.extend(u);
         row.extend(x);
         controller.diagnostics(&mut row);
+        row.extend(&readings[..self.readings]);
         let asked = self.manoeuvre.map(|manoeuvre| manoeuvre.reference(t));
         row.extend(asked.into_iter().flat_map(|asked| [asked.roll, asked.pitch]));
         let recorded = self.record.append_finite(&row);
@@ -366,6 +373,29 @@ pub(super) fn joint_columns(robot: &Robot) -> impl Iterator<Item = Column> {
     let coordinates = robot.joint_names().enumerate().map(move |(i, n)| Column::new(n, units(i)[0], ""));
     let efforts = robot.joint_names().enumerate();
     coordinates.chain(efforts.map(move |(i, n)| Column::new(format!("torque_{n}"), units(i)[2], "")))
+}
+
+/// Refuses a name of a part of `spec`, of which `robot` is made, that is or makes the name of another column of the record.
+pub(super) fn check_columns(spec: &RobotSpec, robot: &Robot) -> Result<(), Error> {
+    Record::new(columns(robot), 0).map(drop).map_err(|error| of_part(spec, error))
+}
+
+/// The error of a column that comes twice, told of the part of `spec` that the column is called after: of those whose name is in
+/// the column's the one with the longest.
+pub(super) fn of_part(spec: &RobotSpec, error: Error) -> Error {
+    let Error::Invalid { key, value, .. } = &error;
+    if key != Record::COLUMN {
+        return error;
+    }
+    let parts = spec.named_parts().into_iter().flatten();
+    let within = |name: &str| format!("_{value}_").contains(&format!("_{name}_"));
+    match parts.filter(|(_, name)| within(name)).min_by_key(|(_, name)| Reverse(name.len())) {
+        Some((key, name)) => {
+            let allowed = format!("another name: the record of a flight has a column {value} already");
+            Error::invalid(key, format!("{name:?}"), allowed).within("robot")
+        }
+        None => error,
+    }
 }
 
 fn columns(robot: &Robot) -> Vec<Column> {

@@ -58,7 +58,8 @@ impl Scenario {
         let starts: Vec<_> = all.iter().map(|scenario| scenario.start()).collect();
         let recorder = |(scenario, controller): (&&'a Self, &Steering<'a>)| {
             let rows = scenario.schedule.steps / scenario.schedule.steps_per_sample + 1;
-            let recorder = Recorder::new(&scenario.robot, scenario.manoeuvre(), controller, rows, None);
+            let recorder =
+                Recorder::new(&scenario.robot, scenario.manoeuvre(), (controller, Vec::new()), rows, None);
             recorder.map_err(|error| scenario.explain(&error))
         };
         let mut recorders = all.iter().zip(&controllers).map(recorder).collect::<Result<Vec<_>, _>>()?;

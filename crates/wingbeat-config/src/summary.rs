@@ -357,6 +357,8 @@ pub(super) struct Context<'a> {
     pub lattice: Option<LatticeSummary>,
     /// Panels along chord and span, of a flight in a lattice.
     pub panels: Option<[usize; 2]>,
+    /// Largest mean chord of a surface of strips, m.
+    pub strips_chord_m: Option<f64>,
     pub preset: String,
     pub law: String,
     /// Means over all samples; none of a flight whose last samples were cut off.

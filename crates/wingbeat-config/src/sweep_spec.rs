@@ -107,7 +107,7 @@ pub struct Draw {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<String>,
     /// Numbers of a fit in place of a range, a file that `wingbeat calibrate` wrote or its table, for a key `robot.numbers`,
-    /// `mismatch.numbers` or, of a case, `numbers`: those that it fitted are drawn together, normal, with its standard errors and correlations;
+    /// `mismatch.numbers` or, of a case, `numbers`: those that it fitted are drawn together, with its standard errors and correlations, by Student's distribution with its degrees of freedom (normal where the file has none);
     /// those that it held stay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "wingbeat_robot::file_or_numbers")]

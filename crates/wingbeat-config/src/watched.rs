@@ -24,7 +24,7 @@ impl ShownSample {
     }
 }
 
-/// The record of a flight as far as its samples are known, without what controller and strips tell.
+/// The record of a flight as far as its samples are known, without what controller, sensors and strips tell.
 pub struct Watched<'a>(Recorder<'a>);
 
 impl Scenario {
@@ -33,7 +33,7 @@ impl Scenario {
     /// # Errors
     /// Columns of one name.
     pub fn watched(&self) -> Result<Watched<'_>, Error> {
-        Recorder::new(self.robot(), self.manoeuvre(), &AtRest, 0, None).map(Watched)
+        Recorder::new(self.robot(), self.manoeuvre(), (&AtRest, Vec::new()), 0, None).map(Watched)
     }
 }
 
@@ -44,7 +44,7 @@ impl Watched<'_> {
     /// A state that has no loads, or a number that is not finite.
     pub fn add(&mut self, seen: &ShownSample) -> Result<(), Fault> {
         let ShownSample { t, x, u, beyond } = seen;
-        self.0.sample(&Sample { t: *t, x, u, beyond, elapsed: Duration::ZERO }, &AtRest)
+        self.0.sample(&Sample { t: *t, x, u, beyond, readings: &[], elapsed: Duration::ZERO }, &AtRest)
     }
 
     /// The record so far.

@@ -2,7 +2,7 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
+use rand_distr::{ChiSquared, StandardNormal};
 
 /// A stream of random numbers (ChaCha, 8 rounds).
 #[derive(Clone, Debug)]
@@ -41,11 +41,28 @@ impl Random {
     pub fn normal(&mut self) -> f64 {
         self.stream.sample(StandardNormal)
     }
+    /// Chi squared with so many degrees of freedom, dimensionless: of whole ones the sum of the squares of so many normal numbers.
+    /// Not a number where they are not above 0.
+    pub fn chi_squared(&mut self, freedom: f64) -> f64 {
+        ChiSquared::new(freedom).map_or(f64::NAN, |squares| self.stream.sample(squares))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moments_of_chi_squared() {
+        let mut random = Random::new(8);
+        let n = 100_000;
+        let xs: Vec<f64> = (0..n).map(|_| random.chi_squared(6.5)).collect();
+        let mean = xs.iter().sum::<f64>() / n as f64;
+        let variance = xs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n as f64;
+        // Of v degrees of freedom v and 2 v.
+        assert!((mean - 6.5).abs() < 0.05 && (variance - 13.0).abs() < 0.4, "{mean} {variance}");
+        assert!(random.chi_squared(0.0).is_nan());
+    }
 
     #[test]
     fn moments_of_the_normal() {

@@ -83,8 +83,10 @@ fn add_strips(motion: &mut RunMotion, robot: &Robot, loads: &Loads<f64>) {
     for (surface, (_, aero)) in motion.surfaces.iter_mut().zip(robot.surfaces()) {
         surface.strips.resize_with(aero.strips(), StripTrack::default);
         for (k, strip) in surface.strips.iter_mut().enumerate() {
-            push(&mut strip.quarter_chord, loads.quarter_chord[first + k]);
-            push(&mut strip.force, loads.strip[first + k].total().force);
+            let (point, load) = (loads.quarter_chord[first + k], loads.strip[first + k].total());
+            push(&mut strip.quarter_chord, point);
+            push(&mut strip.force, load.force);
+            push(&mut strip.moment, load.moment - point.cross(load.force));
             strip.circulation.push(loads.circulation[first + k]);
         }
         first += aero.strips();

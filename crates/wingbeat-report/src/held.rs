@@ -101,7 +101,8 @@ fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Str
         let of = |name: &str| crate::flight::axes(strips, &rows, name).ok();
         let circulation = ["circulation", "circulation_lag_sum"];
         let circulation = circulation.iter().find_map(|name| taken(strips, &rows, name).ok())?;
-        Some(StripTrack { quarter_chord: of("quarter_chord")?, force: of("force")?, circulation, rib: 0.0 })
+        let (quarter_chord, force) = (of("quarter_chord")?, of("force")?);
+        Some(StripTrack { quarter_chord, force, circulation, ..StripTrack::default() })
     };
     (0..count).map(strip).collect()
 }

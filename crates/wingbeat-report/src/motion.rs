@@ -47,6 +47,8 @@ pub struct StripTrack {
     pub quarter_chord: PointTrack,
     /// Force of the air, N.
     pub force: PointTrack,
+    /// Moment of the air about that point, N m; none where the strips of a record do not tell it.
+    pub moment: PointTrack,
     /// Circulation, m2/s; none where the model has none.
     pub circulation: Vec<f64>,
 }
@@ -170,7 +172,7 @@ impl RunMotion {
             all.extend(surface.ribs.as_flattened_mut().as_flattened_mut());
             all.extend(surface.raised.as_flattened_mut().as_flattened_mut());
             for strip in &mut surface.strips {
-                all.extend(strip.quarter_chord.iter_mut().chain(&mut strip.force));
+                all.extend(strip.quarter_chord.iter_mut().chain(&mut strip.force).chain(&mut strip.moment));
                 all.push(&mut strip.circulation);
             }
         }

@@ -227,7 +227,7 @@ fn weight(of: &RecordRows) -> Option<PagePanel> {
     Some(PagePanel { title: "upward force over the weight".into(), unit: "", curves, limits: None })
 }
 
-/// Forces by source along the body and to its top.
+/// Forces by source, those of thrusters among them, along the body and to its top.
 fn forces(of: &RecordRows) -> Vec<PagePanel> {
     let names = of.record.columns().iter().map(|column| column.name.as_str());
     let names: Vec<&str> = names.filter_map(|name| name.strip_prefix("force_")?.strip_suffix("_x")).collect();
@@ -236,7 +236,8 @@ fn forces(of: &RecordRows) -> Vec<PagePanel> {
             let label = name.replace('_', " ");
             of.curve((&format!("force_{name}_{axis}"), &label, Own(i)), 1.0)
         };
-        let curves: Vec<PageCurve> = names.iter().enumerate().filter_map(curve).collect();
+        let mut curves: Vec<PageCurve> = names.iter().enumerate().filter_map(curve).collect();
+        curves.extend(of.curve((&format!("thrust_{axis}"), "thrusters", Own(names.len())), 1.0));
         (!curves.is_empty()).then(|| PagePanel { title: title.into(), unit: "N", curves, limits: None })
     };
     [("x", "force along the body, forward +"), ("z", "force to its top")]
@@ -457,6 +458,21 @@ fn grouped(name: &str) -> (String, &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn forces_of_thrusters_are_drawn_beside_those_of_the_air() {
+        let column = |name: &str, value: f64| Column { values: vec![value], ..Column::new(name, "N", "B") };
+        let names = ["force_gravity_x", "force_gravity_z", "thrust_x", "thrust_z"];
+        let columns =
+            names.iter().zip([-0.1, -0.5, 0.2, 0.7]).map(|(name, value)| column(name, value)).collect();
+        let record = Record::new(columns, 1).unwrap();
+        let panels = forces(&RecordRows { record: &record, rows: &[0] });
+        let told = |k: usize| -> Vec<(&str, f64)> {
+            panels[k].curves.iter().map(|curve| (curve.label.as_str(), curve.values[0])).collect()
+        };
+        assert_eq!(told(0), [("gravity", -0.1), ("thrusters", 0.2)]);
+        assert_eq!(told(1), [("gravity", -0.5), ("thrusters", 0.7)]);
+    }
 
     #[test]
     fn a_comparison_is_shown_at_the_phases_of_the_times() {

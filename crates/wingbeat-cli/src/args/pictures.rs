@@ -146,7 +146,7 @@ pub struct Export {
     /// The record for MATLAB, a variable for each column
     #[arg(long, group = "format")]
     pub mat: bool,
-    /// Wings, forces and circulation frame by frame for VTK, ParaView and pyvista: a folder with a list of its files
+    /// Wings, forces, moments and circulation frame by frame for VTK, ParaView and pyvista: a folder with a list of its files
     #[arg(long, group = "format")]
     pub vtk: bool,
     /// The robot with its animation as binary glTF, z up turned to y up

@@ -266,6 +266,7 @@ pub const COLUMNS: &[ColumnMeaning] = &[
     column("path_along", &[FLIGHT], M, "", "That arc less the one that time and speed ask; negative behind."),
     column("path_bank", &[FLIGHT], RAD, "", "Bank asked of the controller, positive right wing down."),
     column("path_nearest_<axis>", &[FLIGHT], M, "W", "That point."),
+    column("reading_<sensor>", &[FLIGHT], &[OWN_UNIT], OWN_FRAME, "Newest reading that has arrived of a sensor of `[sensors]`, noise and offset included, of the inertial unit by part and axis (`reading_imu_rate_x`); before the first arrives, that one. Without instruments of each state that has noise or comes late (`reading_p_WB_z`): as the controller last received it."),
     column("estimate_t", &[FLIGHT], S, "", "Time of the newest estimate, under `[controller.orbit.estimator]`, as all of the estimate."),
     column("estimate_height", &[FLIGHT], M, "W", "Height as it is estimated."),
     column("estimate_forward", &[FLIGHT], &["m/s"], "", "Ground velocity along the heading, likewise."),

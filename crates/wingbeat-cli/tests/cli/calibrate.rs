@@ -175,6 +175,13 @@ fn a_sweep_draws_the_fit_that_was_written() {
     assert_eq!(told["of"][0].as_str(), Some(NAME));
     let [value, error] = [&numbers[NAME], &told["standard_error"][0]].map(|of| of.as_float().unwrap());
     assert!((value - 5.9).abs() < 4.0 * error && error > 0.0, "{value} +- {error}");
+    // The interval of the summary is of the degrees of freedom by which the fit is drawn.
+    let freedom = told["degrees_of_freedom"].as_float().unwrap();
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("fit/summary.json")).unwrap()).unwrap();
+    let high = summary["parameters"][0]["high"].as_f64().unwrap();
+    let reach = wingbeat_calibrate::student_95(freedom) * error;
+    assert!((high - value - reach).abs() < 1e-9 * reach, "{freedom}: {high}, {value} + {reach}");
     let case = root().join("cases/flap_f2.toml");
     let text = format!(
         "name = \"drawn\"\ncase = {case:?}\nset = [\"time.steps_per_cycle=12\", \"aero.law=linear\"]\nruns = 40\n\

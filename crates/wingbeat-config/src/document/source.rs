@@ -157,6 +157,10 @@ impl Sources {
                 Joins::BaseOfTable => self.over_bases(tree::swap(&mut root, &source.at), chain)?,
                 _ => self.over_bases(self.parsed(source)?, bases)?,
             };
+            if matches!(source.origin, Origin::Override(_)) {
+                let written = |at: usize| !self.is_override(at);
+                tree::displace(&mut root, &source.at, &written, &crate::schema::are_alternatives);
+            }
             tree::assign(&mut root, &source.at, value).map_err(|allowed| {
                 let key = tree::path(&source.at);
                 Wrong::new(self.place(source.start), key, None, KeyProblem::Value(allowed))

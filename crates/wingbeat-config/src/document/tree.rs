@@ -141,6 +141,27 @@ pub fn swap<'i>(root: &mut Spanned<DeValue<'i>>, steps: &[String]) -> Spanned<De
     }
 }
 
+/// Takes away the alternative in the place of which what is put at `steps` below `root` comes: alone in its table on the way,
+/// where `written` says that it stands in a file, and another of the same choice, by `alternatives`, than the step that leads on.
+pub fn displace(
+    root: &mut Spanned<DeValue<'_>>,
+    steps: &[String],
+    written: &dyn Fn(usize) -> bool,
+    alternatives: &dyn Fn(&str, &str) -> bool,
+) {
+    let mut value = root;
+    for step in steps {
+        if let DeValue::Table(table) = value.get_mut()
+            && table.len() == 1
+            && table.iter().all(|(key, _)| written(key.span().start) && alternatives(key.get_ref(), step))
+        {
+            *table = DeTable::new();
+        }
+        let Some(below) = child_mut(value.get_mut(), step) else { return };
+        value = below;
+    }
+}
+
 /// What is allowed in a list where no item is called `step`.
 fn instead(items: &DeArray<'_>, step: &str) -> String {
     let last = items.len().saturating_sub(1);

@@ -232,7 +232,7 @@ impl Scenario {
         let mut recorder = Recorder::new(
             &self.model,
             self.manoeuvre(),
-            &player,
+            (&player, Vec::new()),
             steps / schedule.steps_per_sample + 1,
             None,
         )?;

@@ -5,6 +5,7 @@ mod file;
 mod made;
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use serde_json::{Map, Value};
 
@@ -114,6 +115,14 @@ impl DocumentKind {
     }
 }
 
+/// Whether `a` and `b` are two of several tables of which a document has one, as are `line` and `helix` of `path.curve`.
+pub(crate) fn are_alternatives(a: &str, b: &str) -> bool {
+    static CHOICES: OnceLock<Vec<Vec<String>>> = OnceLock::new();
+    let choices = CHOICES.get_or_init(|| Schemas::kept().choices());
+    let is_one = |choice: &Vec<String>, name: &str| choice.iter().any(|one| one == name);
+    a != b && choices.iter().any(|choice| is_one(choice, a) && is_one(choice, b))
+}
+
 /// The schemas of all kinds, and of what a flight's summary holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schemas {
@@ -130,6 +139,20 @@ impl Schemas {
     /// Those that were made when the library was released; `cargo xtask reference` makes them again.
     pub fn kept() -> Self {
         Self::read(include_str!("kept.json"))
+    }
+
+    /// The names of the tables of each definition of which a document has one alone.
+    fn choices(&self) -> Vec<Vec<String>> {
+        let alone = |one: &Value| {
+            let needed = one.get("required")?.as_array()?;
+            let known = one.get("properties")?.as_object()?;
+            match needed.as_slice() {
+                [name] if known.len() == 1 => name.as_str().map(str::to_owned),
+                _ => None,
+            }
+        };
+        let choice = |schema: &Value| schema.get("oneOf")?.as_array()?.iter().map(alone).collect();
+        self.definitions.values().filter_map(choice).collect()
     }
 
     fn read(text: &str) -> Self {

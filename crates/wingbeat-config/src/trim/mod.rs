@@ -297,10 +297,17 @@ impl Scenario {
     fn cycle_record(&self, cycle: &Cycle, orbit: &Orbit) -> Result<Result<Recorded, Fault>, Error> {
         let robot = self.model.paced(orbit.point.pace);
         let held = HeldCommands(orbit.point.inputs.clone());
-        let mut recorder = Recorder::new(&robot, None, &held, cycle.steps() + 1, None)?;
+        let mut recorder = Recorder::new(&robot, None, (&held, Vec::new()), cycle.steps() + 1, None)?;
         let mut sample = |t: f64, x: &[f64]| {
             recorder.sample(
-                &Sample { t, x, u: &orbit.point.inputs, beyond: &BeyondLoads::NONE, elapsed: Duration::ZERO },
+                &Sample {
+                    t,
+                    x,
+                    u: &orbit.point.inputs,
+                    beyond: &BeyondLoads::NONE,
+                    readings: &[],
+                    elapsed: Duration::ZERO,
+                },
                 &held,
             )
         };

@@ -1,5 +1,6 @@
 //! The robot at the instants at which it is drawn.
 
+use wingbeat::math::{Mat3, Vec3};
 use wingbeat::simulate::Record;
 
 use super::points;
@@ -155,8 +156,28 @@ impl SideOutline<'_> {
                 edge[cut] = edge[0].iter().zip(&edge[1]).map(|(a, b)| middle(*a, *b)).collect();
             }
         }
-        Some(EdgeTracks { side: self.side, leading, trailing })
+        Some(EdgeTracks { side: self.side.or_else(|| lies_on(record, &leading)), leading, trailing })
     }
+}
+
+/// The side on which a surface lies that its name does not tell: a wing by itself reaches further across the body than upward at some
+/// time, a fin never does.
+fn lies_on(record: &Record, edge: &[Vec<WorldPoint>]) -> Option<usize> {
+    let body = points(record, "p_WB").ok()?;
+    let angles = ["roll", "pitch", "yaw"].map(|name| record.values(name));
+    let [Some(roll), Some(pitch), Some(yaw)] = angles else { return None };
+    let (first, last) = (edge.first()?, edge.last()?);
+    let (mut most, mut middle) = ([0.0_f64; 2], 0.0);
+    for row in 0..body.len() {
+        let attitude = Mat3::from_roll_pitch_yaw(roll[row], pitch[row], yaw[row]);
+        let [one, other] = [first[row], last[row]].map(|p| attitude.transpose_mul(Vec3(p) - Vec3(body[row])));
+        let along = other - one;
+        if along[1].abs() > most[0] {
+            (most[0], middle) = (along[1].abs(), one[1] + other[1]);
+        }
+        most[1] = most[1].max(along[2].abs());
+    }
+    (most[0] > most[1]).then(|| usize::from(middle < 0.0))
 }
 
 impl EdgeTracks {
@@ -193,6 +214,7 @@ fn distance(a: WorldPoint, b: WorldPoint) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn the_robot_is_drawn_at_round_times() {
@@ -221,6 +243,35 @@ mod tests {
         // The path comes back to where it began, and stands at its end.
         assert_eq!(kept(&[0.0, 1.0, 2.0, 1.0, 0.0], 1.0), (vec![2.0, 1.0, 0.0], None));
         assert_eq!(kept(&[0.0, 0.5, 1.0, 1.01], 1.0), (vec![0.0, 0.5, 1.01], None));
+    }
+
+    /// A wing by itself at a dihedral of 30 deg, to the left of a body that heads along y, and a fin behind.
+    #[test]
+    fn a_single_wing_is_of_the_side_on_which_it_lies_and_a_fin_of_none() {
+        let column = |name: &str, value: f64| wingbeat::simulate::Column {
+            values: vec![value; 2],
+            ..wingbeat::simulate::Column::new(name, "", "")
+        };
+        let mut columns = vec![column("roll", 0.0), column("pitch", 0.0), column("yaw", FRAC_PI_2)];
+        // The left of a body that heads along y is towards negative x.
+        let places = [
+            ("p_WB", [1.0, 2.0, 3.0]),
+            ("wing_tip", [0.9 - 0.5 * 0.866, 2.0, 3.25]),
+            ("wing_root", [0.9, 2.0, 3.0]),
+            ("right_wing_tip", [1.1, 2.0, 3.0]),
+            ("right_wing_end", [1.6, 2.0, 3.0]),
+            ("fin_tip", [1.0, 1.8, 3.2]),
+            ("fin_root", [1.0, 1.8, 3.0]),
+        ];
+        for (name, place) in places {
+            let axes = ["x", "y", "z"].into_iter().zip(place);
+            columns.extend(axes.map(|(axis, value)| column(&format!("{name}_{axis}"), value)));
+        }
+        let record = Record::new(columns, 2).unwrap();
+        let edge = |ends: [&str; 2]| ends.map(|end| points(&record, end).unwrap());
+        assert_eq!(lies_on(&record, &edge(["wing_tip", "wing_root"])), Some(0));
+        assert_eq!(lies_on(&record, &edge(["right_wing_end", "right_wing_tip"])), Some(1));
+        assert_eq!(lies_on(&record, &edge(["fin_tip", "fin_root"])), None);
     }
 
     #[test]

@@ -181,11 +181,15 @@ impl PathSheet {
     pub fn note(&mut self, birds: &[Bird], every: Option<f64>, enlargement: f64) {
         let mut x = Self::MARGINS.0;
         let mut entries = vec![("path", style::INK), ("shadow below", SHADOW)];
-        if !birds.is_empty() {
-            entries.extend([("left wing", style::colour(0)), ("right wing", style::colour(1))]);
-            if birds[0].wings.iter().any(|wing| wing.side.is_none()) {
-                entries.push(("fin", style::INK));
-            }
+        if let Some(bird) = birds.first() {
+            let parts = [
+                ("left wing", Some(0), style::colour(0)),
+                ("right wing", Some(1), style::colour(1)),
+                ("fin", None, style::INK),
+            ];
+            let drawn =
+                parts.into_iter().filter(|(_, side, _)| bird.wings.iter().any(|wing| wing.side == *side));
+            entries.extend(drawn.map(|(name, _, colour)| (name, colour)));
         }
         for (name, colour) in entries {
             let x2 = x + 22.0;

@@ -106,6 +106,8 @@ pub struct Sample<'a> {
     pub u: &'a [f64],
     /// Loads from beyond the robot's own models, as [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond) takes them.
     pub beyond: &'a BeyondLoads,
+    /// What the sensors read, as [`Sensors::columns`] names it; empty before anything was measured.
+    pub readings: &'a [f64],
     /// Wall time since the flight began.
     pub elapsed: Duration,
 }
@@ -314,7 +316,8 @@ where
         if !k.is_multiple_of(self.schedule.steps_per_sample) {
             return Ok(ControlFlow::Continue(()));
         }
-        let sample = Sample { t, x, u, beyond, elapsed: self.start.elapsed() };
+        let readings = self.sensors.shown(t);
+        let sample = Sample { t, x, u, beyond, readings, elapsed: self.start.elapsed() };
         (self.observe)(&sample, self.controller)
     }
 }

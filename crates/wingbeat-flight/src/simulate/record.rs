@@ -56,6 +56,9 @@ pub struct Record {
 }
 
 impl Record {
+    /// The key of the refusal of a column that comes twice.
+    pub const COLUMN: &str = "record.column";
+
     /// A record of `columns` with room for `rows` rows.
     ///
     /// # Errors
@@ -63,7 +66,7 @@ impl Record {
     pub fn new(mut columns: Vec<Column>, rows: usize) -> Result<Self, Error> {
         for (index, column) in columns.iter().enumerate() {
             if columns[..index].iter().any(|earlier| earlier.name == column.name) {
-                return Err(Error::invalid("record.column", &column.name, "each name once"));
+                return Err(Error::invalid(Self::COLUMN, &column.name, "each name once"));
             }
             if column.values.len() != columns[0].values.len() {
                 let rows = columns[0].values.len();

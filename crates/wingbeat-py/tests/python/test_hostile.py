@@ -227,6 +227,24 @@ def test_the_overrides_of_a_scenario_are_nearer_than_those_of_its_robot(turn):
         assert nearer.to_dict()["robot"]["body"]["mass_kg"] == 0.8
 
 
+def test_the_record_has_what_sensors_read(turn):
+    short = {"flight.duration_s": 0.05}
+    assert not [name for name in wingbeat.fly(turn, short).record if name.startswith("reading_")]
+    record = wingbeat.fly(turn, short | {"sensors.position_m": 0.001}).record
+    assert [name for name in record if name.startswith("reading_")] == [f"reading_p_WB_{axis}" for axis in "xyz"]
+    assert record.to_pandas().attrs["units"]["reading_p_WB_z"] == "m"
+
+
+def test_an_override_takes_the_place_of_another_alternative():
+    path = wingbeat.shipped("scenarios/path_figure8.toml")
+    line = {"line": {"length_m": 12.0}}
+    for given in ({"path": {"curve": line}}, {"path.curve": line}, {"path.curve.line.length_m": 12.0}):
+        assert wingbeat.Scenario(path, given).to_dict()["path"]["curve"] == line
+    both = {"path": {"curve": line | {"helix": {"radius_m": 5.0}}}}
+    with pytest.raises(ValueError, match="allowed is one of line, .*, alone"):
+        wingbeat.Scenario(path, both)
+
+
 def test_records_are_equal_by_their_values(turn):
     short = {"flight.duration_s": 0.02}
     one, other = (wingbeat.fly(turn, short).record for _ in range(2))

@@ -4,9 +4,11 @@ use std::fmt::Write;
 
 use crate::motion::{RunMotion, at};
 
-/// Frame `i` as legacy VTK: wings as quadrilaterals with their side, bent and cambered as they are, strips as points with force (N, in W) and circulation (m2/s).
+/// Frame `i` as legacy VTK: wings as quadrilaterals with their side, bent and cambered as they are, strips as points at 1/4 chord with force (N, in W), moment
+/// about that point (N m, in W; of flights) and circulation (m2/s).
 pub fn vtk(motion: &RunMotion, i: usize) -> String {
-    let (mut points, mut quads, mut forces) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut points, mut quads) = (Vec::new(), Vec::new());
+    let (mut forces, mut moments) = (Vec::new(), Vec::new());
     for surface in &motion.surfaces {
         let first = points.len();
         let along = (0..surface.ribs.len()).flat_map(|k| surface.along(k, i));
@@ -22,6 +24,9 @@ pub fn vtk(motion: &RunMotion, i: usize) -> String {
     for strip in motion.surfaces.iter().flat_map(|surface| &surface.strips) {
         points.push(motion.in_world(i, at(&strip.quarter_chord, i)));
         forces.push((motion.turned(i, at(&strip.force, i)), strip.circulation[i]));
+        if !strip.moment[0].is_empty() {
+            moments.push(motion.turned(i, at(&strip.moment, i)));
+        }
     }
     let mut text = String::from("# vtk DataFile Version 3.0\n");
     // Writing to a String does not fail.
@@ -46,6 +51,11 @@ pub fn vtk(motion: &RunMotion, i: usize) -> String {
     let _ = writeln!(text, "POINT_DATA {}\nVECTORS force_N double", points.len());
     text += &"0 0 0\n".repeat(ribs);
     forces.iter().for_each(|(force, _)| row(&mut text, force.0));
+    if !moments.is_empty() {
+        text += "VECTORS moment_N_m double\n";
+        text += &"0 0 0\n".repeat(ribs);
+        moments.iter().for_each(|moment| row(&mut text, moment.0));
+    }
     text += "SCALARS circulation_m2_s double 1\nLOOKUP_TABLE default\n";
     text += &"0\n".repeat(ribs);
     forces.iter().for_each(|(_, circulation)| {
@@ -63,4 +73,51 @@ pub fn series(files: &[(String, f64)]) -> String {
     let file = |(name, time): &(String, f64)| format!("    {{ \"name\": \"{name}\", \"time\": {time} }}");
     let files: Vec<String> = files.iter().map(file).collect();
     format!("{{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n{}\n  ]\n}}\n", files.join(",\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use wingbeat::math::Vec3;
+    use wingbeat::scenario::Scenario;
+
+    /// Forces and moments of the strips about their points are, about the origin of the body, those of the record by source.
+    #[test]
+    fn moments_of_the_strips_sum_to_those_of_the_record() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/four_wings.toml");
+        let scenario = Scenario::load(&path, &["flight.duration_s=0.1".into()]).unwrap();
+        let record = scenario.fly(|_| ControlFlow::Continue(())).unwrap().record;
+        let rows = crate::flight::shown(&record);
+        let motion = crate::flight::motion(&scenario, &record, &rows).unwrap();
+        let i = rows.len() / 2;
+        let text = vtk(&motion, i);
+        let block = |head: &str| -> Vec<Vec3> {
+            let lines = text.lines().skip_while(|line| !line.starts_with(head)).skip(1);
+            let numbers = |line: &str| line.split(' ').map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
+            lines.map_while(|line| Some(Vec3(numbers(line)?.try_into().ok()?))).collect()
+        };
+        let [points, forces, moments] = ["POINTS", "VECTORS force_N", "VECTORS moment_N_m"].map(block);
+        assert!(points.len() == forces.len() && points.len() == moments.len());
+        let origin = at(&motion.position, i);
+        let mut sum = Vec3::ZERO;
+        for ((point, force), moment) in points.iter().zip(&forces).zip(&moments) {
+            sum = sum + (*point - origin).cross(*force) + *moment;
+        }
+        let of = |source: &str| {
+            motion.turned(
+                i,
+                Vec3(
+                    ["x", "y", "z"]
+                        .map(|axis| record.values(&format!("moment_{source}_{axis}")).unwrap()[rows[i]]),
+                ),
+            )
+        };
+        let sources = ["circulatory", "induced_drag", "added_mass", "profile_drag"].map(of);
+        let whole = sources.into_iter().fold(Vec3::ZERO, |sum, moment| sum + moment);
+        assert!((sum - whole).norm() < 1e-9 * whole.norm() && whole.norm() > 1e-4, "{sum:?} {whole:?}");
+        let couples = moments.iter().map(|moment| moment.norm()).fold(0.0, f64::max);
+        assert!(couples > 1e-6, "the largest couple is {couples} N m");
+    }
 }

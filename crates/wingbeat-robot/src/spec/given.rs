@@ -60,6 +60,10 @@ pub struct FitUncertainty {
     pub standard_error: Vec<f64>,
     /// Rows of the correlations of their estimates, dimensionless.
     pub correlation: Vec<Vec<f64>>,
+    /// Degrees of freedom of the standard errors, dimensionless: the cycles beyond their means from which the noise is known. Draws
+    /// are of Student's distribution with so many; of the normal one where the file has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degrees_of_freedom: Option<f64>,
 }
 
 /// Share by which half spans of one wing may differ. *Choice*: the arc begins at the shoulder or at the middle of the body.

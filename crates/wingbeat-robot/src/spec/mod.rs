@@ -159,6 +159,7 @@ impl RobotSpec {
     /// # Errors
     /// [`Error::Invalid`] with the key.
     pub fn check(&self) -> Result<(), Error> {
+        self.check_names()?;
         self.body.check().map_err(|e| e.within("body"))?;
         if let Some(wing) = &self.wing {
             wing.check().map_err(|e| e.within("wing"))?;
@@ -198,14 +199,42 @@ impl RobotSpec {
             || matches!(&self.gait, GaitSpec::Linkage { springs, .. } if springs.iter().any(|of| of.stiffness > 0.0))
     }
 
+    /// The parts with a name: the key of each, and the name. Those of one list are told apart by them: links and their joints,
+    /// surfaces, elements with thrusters, actuators.
+    pub fn named_parts(&self) -> [Vec<(String, &str)>; 4] {
+        fn parts<'a>(list: &str, names: impl Iterator<Item = &'a str>) -> Vec<(String, &'a str)> {
+            names.enumerate().map(|(i, name)| (format!("{list}[{i}].name"), name)).collect()
+        }
+        let Self { links, surfaces, structure, thrusters, .. } = self;
+        let mut elements = parts("structure.elements", structure.elements.iter().map(|e| e.name.as_str()));
+        elements.extend(parts("thrusters", thrusters.iter().map(|t| t.name.as_str())));
+        [
+            parts("links", links.iter().map(|link| link.name.as_str())),
+            parts("surfaces", surfaces.iter().map(|surface| surface.name.as_str())),
+            elements,
+            parts("structure.regulators", structure.regulators.iter().map(|r| r.name.as_str())),
+        ]
+    }
+
+    /// Refuses blank names and names that come twice among parts that they tell apart.
+    fn check_names(&self) -> Result<(), Error> {
+        for parts in self.named_parts() {
+            for (i, (key, name)) in parts.iter().enumerate() {
+                let taken = parts[..i].iter().find(|(_, other)| other == name);
+                let allowed = match taken {
+                    Some((other, _)) => format!("a name of its own: {other} is the same"),
+                    None if name.trim().is_empty() => "a name that is not blank".into(),
+                    None => continue,
+                };
+                return Err(Error::invalid(key, format!("{name:?}"), allowed));
+            }
+        }
+        Ok(())
+    }
+
     fn check_thrusters(&self) -> Result<(), Error> {
         for (i, thruster) in self.thrusters.iter().enumerate() {
             thruster.check().map_err(|e| e.within(&format!("thrusters[{i}]")))?;
-            let others = self.structure.elements.iter().map(|e| &e.name);
-            if others.chain(self.thrusters[..i].iter().map(|t| &t.name)).any(|name| *name == thruster.name) {
-                let (key, allowed) = (format!("thrusters[{i}].name"), "each name once, elements among them");
-                return Err(Error::invalid(key, format!("{:?}", thruster.name), allowed));
-            }
         }
         let s = &self.structure;
         let elements = s.elements.len() + self.thrusters.len();

@@ -142,8 +142,6 @@ impl StructureSpec {
                 return Err(Error::invalid(format!("elements[{i}].damping"), damping, allowed));
             }
         }
-        unused("elements", self.elements.iter().map(|e| e.name.as_str()))?;
-        unused("regulators", self.regulators.iter().map(|r| r.name.as_str()))?;
         for (i, regulator) in self.regulators.iter().enumerate() {
             let placed = self.check_placement(regulator);
             placed.map_err(|e| e.within(&format!("regulators[{i}].elements")))?;
@@ -278,16 +276,4 @@ impl StructureSpec {
 
 fn identity(n: usize) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect()
-}
-
-/// That no name of a list comes twice.
-fn unused<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), Error> {
-    let mut before: Vec<&str> = Vec::new();
-    for (i, name) in names.enumerate() {
-        if before.contains(&name) {
-            return Err(Error::invalid(format!("{key}[{i}].name"), name, "a name not yet used"));
-        }
-        before.push(name);
-    }
-    Ok(())
 }

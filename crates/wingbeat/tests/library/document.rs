@@ -365,3 +365,41 @@ fn an_override_reaches_an_item_of_a_list_by_its_name() {
     let end = "robot.elements.rihgt.limit_rad: allowed is an index from 0 to 1 or a name of left, right in place of rihgt";
     assert!(told.ends_with(end), "{told}");
 }
+
+/// A flight along a figure of eight.
+fn along_path(overrides: &[&str]) -> Result<wingbeat::scenario::Scenario, ConfigError> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/path_figure8.toml");
+    let document = Document::file(&path)?;
+    wingbeat::scenario::Scenario::new(overrides.iter().fold(document, |document, text| document.set(*text)))
+}
+
+/// Of several tables of which a document has one, an override takes the place of that of a file, by a path into it as by the whole.
+#[test]
+fn an_override_takes_the_place_of_another_alternative() {
+    let curve = |overrides: &[&str]| {
+        let flown = along_path(overrides).unwrap_or_else(|error| panic!("{error}"));
+        Document::value("path", flown.spec.path.as_ref().unwrap()).unwrap().resolved().unwrap()
+    };
+    let line = curve(&["path.curve={line={length_m=12.0}}"]);
+    assert!(line.contains("length_m = 12") && !line.contains("figure_eight"), "{line}");
+    assert_eq!(curve(&["path.curve.line.length_m=12.0"]), line);
+    assert_eq!(curve(&["path.curve.line={length_m=12.0}"]), line);
+    // A key of the one that stands there changes that alone.
+    assert!(curve(&["path.curve.figure_eight.radius_m=5.0"]).contains("radius_m = 5"));
+    let both = along_path(&["path.curve.line.length_m=12.0", "path.curve.helix.radius_m=5.0"])
+        .unwrap_err()
+        .to_string();
+    let whole =
+        along_path(&["path.curve={line={length_m=12.0}, helix={radius_m=5.0}}"]).unwrap_err().to_string();
+    for refused in [both, whole] {
+        assert!(refused.contains("path.curve = "), "{refused}");
+        assert!(
+            refused.contains("allowed is one of line, lane_change, helix, figure_eight, points, alone"),
+            "{refused}"
+        );
+    }
+    // Tables that stand beside one another stay.
+    let sensors =
+        Document::text("s", "[sensors.imu]\nevery_s = 0.01").unwrap().set("sensors.height.every_s=0.1");
+    assert!(sensors.resolved().unwrap().contains("[sensors.imu]"));
+}

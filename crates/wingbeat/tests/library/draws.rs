@@ -244,6 +244,47 @@ fn a_fit_is_drawn_with_its_errors_and_correlations() {
     assert_eq!(again.values(5), values);
 }
 
+/// Shares of 4000 draws beyond quantiles of Student's distribution (Abramowitz & Stegun 1964, table 26.10).
+#[test]
+fn a_fit_of_few_cycles_is_drawn_by_student_s_distribution() {
+    let freedom = |v: &str| UNCERTAINTY.replace(" }", &format!(", degrees_of_freedom = {v} }}"));
+    let beyond = |uncertainty: &str, quantile: f64| -> [f64; 2] {
+        let sweep = of_fit(uncertainty, "").unwrap_or_else(|e| panic!("{e}"));
+        let runs = sweep.runs();
+        let off = |run: usize| {
+            let values = sweep.values(run);
+            [(values[1] - 0.06) / 0.01, (values[2] - 0.9) / 0.05]
+        };
+        let misses: Vec<[f64; 2]> = (0..runs).map(off).collect();
+        [0, 1].map(|k| misses.iter().filter(|miss| miss[k].abs() > quantile).count() as f64 / runs as f64)
+    };
+    for (v, quantile, share) in [
+        ("6", 1.943, 0.1),
+        ("6", 2.447, 0.05),
+        ("6", 3.707, 0.01),
+        ("30", 2.042, 0.05),
+        ("30.0", 2.750, 0.01),
+    ] {
+        // Three standard errors of a share of 4000.
+        let within = 3.0 * (share * (1.0 - share) / 4000.0_f64).sqrt();
+        for found in beyond(&freedom(v), quantile) {
+            assert!((found - share).abs() < within, "{v}: {found} beyond {quantile}, {share} expected");
+        }
+    }
+    // Of the normal distribution 1.43 in 100 lie beyond that quantile of 6 degrees of freedom.
+    for found in beyond(UNCERTAINTY, 2.447) {
+        assert!((found - 0.0144).abs() < 0.006, "{found}");
+    }
+    for v in ["2.9", "-1", "0"] {
+        let told = of_fit(&freedom(v), "").expect_err("refused");
+        assert!(
+            told.contains("draws[1].fit.uncertainty.degrees_of_freedom")
+                && told.contains("a number from 3 on"),
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn a_fit_that_cannot_be_drawn_is_refused() {
     let of = |uncertainty: &str, more: &str| of_fit(uncertainty, more).expect_err("refused");

@@ -505,7 +505,11 @@ fn what_a_drive_or_a_regulator_cannot_be_is_refused_by_key() {
         ("hand_left = 1.0", "hand_left = 0.0", "structure.regulators[0].elements.hand_left = 0"),
         ("elements = { hand_left = 1.0, hand_right = 1.0 }", "", "structure.regulators[0].elements = {}"),
         ("low = -0.3\n", "", "structure.regulators[0].low = missing"),
-        ("name = \"right\"", "name = \"left\"", "structure.regulators[2].name = left"),
+        (
+            "name = \"right\"",
+            "name = \"left\"",
+            "structure.regulators[2].name = \"left\": allowed is a name of its own",
+        ),
         ("damping = 0.7", "damping = -0.7", "structure.damping = -0.7"),
         ("damping = 0.7", "", "structure.damping = missing"),
         ("\nfrequency_hz = 12.0", "\nfrequency_hz = 0.0", "structure.elements[0].frequency_hz = 0"),

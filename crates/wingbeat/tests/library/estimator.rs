@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use wingbeat::guide::Told as Known;
+use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Plant, Role};
 use wingbeat::scenario::{Document, Scenario};
 use wingbeat::simulate::{Controller, Estimator, Measurement, Reading, SensorSpec, Stepper, Update};
@@ -293,4 +294,112 @@ fn what_the_filter_cannot_be_made_of_is_refused() {
         let message = refused(text);
         assert!(message.contains(key) && message.contains(allowed), "{text}: {message}");
     }
+}
+
+/// A flight without gusts in records every 2.5 ms, and its column of a name.
+fn flown_with(overrides: &[&str]) -> wingbeat::scenario::Run {
+    let always = [LEVEL, "flight.duration_s=1.5", "flight.record_every_s=0.0025"];
+    scenario(&[&always, overrides].concat()).fly(|_| ControlFlow::Continue(())).unwrap()
+}
+
+/// Mean and standard deviation.
+fn spread(errors: &[f64]) -> [f64; 2] {
+    let n = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / n;
+    [mean, (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt()]
+}
+
+/// Without noise a reading is the truth of the time at which it was taken, held until the next arrives; an offset is constant, and
+/// noise has its deviation and no mean.
+#[test]
+fn the_record_has_what_each_instrument_read() {
+    let exact = ["rate_rad_s", "rate_bias_rad_s", "force_m_s2", "force_bias_m_s2"]
+        .map(|key| format!("sensors.imu.{key}=0"));
+    let exact: Vec<&str> = exact
+        .iter()
+        .map(String::as_str)
+        .chain([
+            "sensors.height.height_m=0",
+            "sensors.height.bias_m=0",
+            "sensors.airspeed.speed_m_s=0",
+            "sensors.airspeed.bias_m_s=0",
+        ])
+        .collect();
+    let run = flown_with(&exact);
+    let column = |name: &str| run.record.values(name).unwrap_or_else(|| panic!("{name}"));
+    // Both come 5 ms late, two records.
+    for k in 2..column("t").len() {
+        for axis in ["x", "y", "z"] {
+            let (read, truth) =
+                (column(&format!("reading_imu_rate_{axis}"))[k], column(&format!("w_WB_B_{axis}"))[k - 2]);
+            assert!((read - truth).abs() < 1e-12, "{axis}, record {k}: {read} read, {truth} is");
+        }
+        // Taken every 8 records.
+        let truth = column("p_WB_z")[(k - 2) / 8 * 8];
+        assert!((column("reading_height")[k] - truth).abs() < 1e-12, "record {k}");
+    }
+    // Before the first arrives, that one.
+    assert_eq!(column("reading_height")[..2], [column("p_WB_z")[0]; 2]);
+    // Body x of a tube ahead of the origin feels no rate: e_x . R'(v - wind) in still air.
+    let quat = ["quat_w", "quat_x", "quat_y", "quat_z"].map(column);
+    let velocity = ["v_WB_W_x", "v_WB_W_y", "v_WB_W_z"].map(column);
+    for k in 2..column("t").len() {
+        let taken = (k - 2) / 8 * 8;
+        let attitude = Quat::from_wxyz(&quat.map(|part| part[taken])).matrix();
+        let truth = attitude.transpose_mul(Vec3(velocity.map(|part| part[taken])))[0];
+        let read = column("reading_airspeed")[k];
+        assert!((read - truth).abs() < 1e-12, "record {k}: {read} m/s read, {truth} are");
+    }
+    let of = |name: &str| run.record.column(name).map(|c| [c.unit.clone(), c.frame.clone()]);
+    assert_eq!(of("reading_imu_force_x"), Some(["m/s2", "B"].map(String::from)));
+    assert_eq!(of("reading_airspeed"), Some(["m/s", "B"].map(String::from)));
+    // The same with an offset alone, then with noise alone.
+    let errors = |run: &wingbeat::scenario::Run, every: usize| -> Vec<f64> {
+        let column = |name: &str| run.record.values(name).unwrap();
+        let taken = (2..column("t").len()).filter(|k| (k - 2) % every == 0);
+        taken.map(|k| column("reading_imu_rate_x")[k] - column("w_WB_B_x")[k - 2]).collect()
+    };
+    let [mean, deviation] = spread(&errors(&flown_with(&["sensors.imu.rate_rad_s=0"]), 1));
+    assert!(
+        deviation < 1e-12 && mean.abs() > 1e-4 && mean.abs() < 4.0 * 0.02,
+        "offset {mean}, {deviation} about it"
+    );
+    let noise = errors(&flown_with(&["sensors.imu.rate_bias_rad_s=0"]), 1);
+    let ([mean, deviation], n) = (spread(&noise), noise.len() as f64);
+    assert!(mean.abs() < 3.0 * 0.02 / n.sqrt(), "mean {mean} of {n}");
+    // The standard error of a deviation is 1/sqrt(2 (n - 1)) of it.
+    assert!((deviation / 0.02 - 1.0).abs() < 3.0 / (2.0 * (n - 1.0)).sqrt(), "deviation {deviation} of {n}");
+}
+
+#[test]
+fn the_record_has_what_a_controller_was_told_of_the_states_that_have_noise() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/bank15_20g.toml");
+    let fly = |overrides: &[&str]| {
+        let always = ["flight.duration_s=3.0", "flight.record_every_s=0.0025"];
+        let document = Document::file(&path).unwrap();
+        let document = always.iter().chain(overrides).fold(document, |d, text| d.set(*text));
+        Scenario::new(document).unwrap().fly(|_| ControlFlow::Continue(())).unwrap()
+    };
+    let names = |run: &wingbeat::scenario::Run| -> Vec<String> {
+        let names = run.record.columns().iter().map(|column| column.name.clone());
+        names.filter(|name| name.starts_with("reading_")).collect()
+    };
+    let perfect = fly(&[]);
+    assert_eq!(names(&perfect), [""; 0]);
+    let noisy = fly(&["sensors.position_m=0.002"]);
+    assert_eq!(names(&noisy), ["reading_p_WB_x", "reading_p_WB_y", "reading_p_WB_z"]);
+    assert_eq!(noisy.record.columns().len(), perfect.record.columns().len() + 3);
+    let column = |name: &str| noisy.record.values(name).unwrap();
+    // An update every third record, of which the last has none.
+    let updates = (column("t").len() - 1) / 3;
+    let errors: Vec<f64> =
+        (0..3 * updates).step_by(3).map(|k| column("reading_p_WB_z")[k] - column("p_WB_z")[k]).collect();
+    let ([mean, deviation], n) = (spread(&errors), updates as f64);
+    assert!(mean.abs() < 3.0 * 0.002 / n.sqrt(), "mean {mean} of {n}");
+    assert!((deviation / 0.002 - 1.0).abs() < 3.0 / (2.0 * (n - 1.0)).sqrt(), "deviation {deviation} of {n}");
+    assert!((0..3 * updates).all(|k| column("reading_p_WB_z")[k] == column("reading_p_WB_z")[k / 3 * 3]));
+    // Late, and without noise: the truth of the update before.
+    let late = fly(&["sensors.delay_updates=1", "flight.duration_s=0.3"]);
+    let column = |name: &str| late.record.values(name).unwrap();
+    assert!((3..120).all(|k| column("reading_v_WB_W_x")[k] == column("v_WB_W_x")[k / 3 * 3 - 3]));
 }

@@ -76,7 +76,11 @@ fn a_guarded_robot_hovers_and_its_observer_finds_the_force_of_the_air() {
 fn thrusters_that_cannot_be_are_refused() {
     for (text, key, allowed) in [
         ("robot.thrusters[0].max_n=0.0", "robot.thrusters[0].max_n", "above 0"),
-        ("robot.thrusters[1].name=thruster_1", "robot.thrusters[1].name", "each name once"),
+        (
+            "robot.thrusters[1].name=thruster_1",
+            "robot.thrusters[1].name",
+            "a name of its own: thrusters[0].name is the same",
+        ),
         ("robot.thrusters[0].direction=[0.0, 0.0, 0.0]", "robot.thrusters[0].direction", "a direction"),
         ("robot.thrusters=[]", "controller.hover", "six or more"),
         ("controller.hover.period_s=0.0", "controller.hover.period_s", "whole number"),

@@ -92,6 +92,12 @@ fn strips_close_to_the_ground_are_outside() {
     let near = |ground: &str| fly("level_20g", &["flight.duration_s=0.5", ground]);
     let low = near("air.ground_m=-0.085");
     assert!(held(&low, "flight.ground_chords").is_some_and(|(met, of)| !met && of > 0.0), "{:?}", low.reason);
+    // The warning counts in the same chord, of other strips too.
+    let other = fly("level_20g", &["flight.duration_s=0.1", "air.ground_m=-0.085", "aero.full.strips=12"]);
+    for flown in [&low, &other] {
+        let warned = flown.warnings.iter().find(|warning| warning.id == "ground.near").unwrap();
+        assert_eq!(warned.size, held(flown, "flight.ground_chords").map(|(_, chords)| chords));
+    }
     assert!(held(&near("air.ground_m=-1.0"), "flight.ground_chords").is_some_and(|(met, _)| met));
 }
 

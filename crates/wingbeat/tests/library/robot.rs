@@ -173,3 +173,44 @@ fn varied_numbers_leave_the_values_alone() {
         assert!(with.iter().any(|d| d.eps[1] != 0.0));
     }
 }
+
+/// A name that is blank, taken, or that of a column of the record is refused where it stands.
+#[test]
+fn names_of_parts_are_their_own_and_no_column_of_the_record() {
+    let scenarios = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let glider = wingbeat::scenario::Document::file(&scenarios.join("glider.toml")).unwrap();
+    let robot = std::fs::read_to_string(scenarios.join("../robots/glider.toml")).unwrap();
+    let refused = |from: &str, to: &str| {
+        let text = wingbeat::scenario::Document::text("robot.toml", &robot.replace(from, to)).unwrap();
+        let document = glider.clone().put("robot", text).unwrap();
+        wingbeat::scenario::Scenario::new(document)
+            .err()
+            .map_or_else(|| panic!("{to} is taken"), |e| e.to_string())
+    };
+    let line = |of: &str| 1 + robot.lines().position(|line| line == of).unwrap();
+    let joint = line("name = \"elevator\"");
+    for (name, column) in [("roll", "roll"), ("t", "t"), ("phase", "phase"), ("com_x", "com_x")] {
+        let said = format!(
+            "robot.toml:{joint}: robot.links[0].name = \"{name}\": allowed is another name: the record of a flight has a \
+             column {column} already"
+        );
+        assert_eq!(refused("\"elevator\"", &format!("\"{name}\"")), said);
+    }
+    let blank = "allowed is a name that is not blank";
+    for (name, from, to, key) in [
+        ("", "name = \"elevator\"\n", "name = \"\"\n", "links[0]"),
+        (" ", "name = \"tail\"", "name = \" \"", "surfaces[1]"),
+        ("", "{ name = \"elevator\"", "{ name = \"\"", "structure.elements[0]"),
+    ] {
+        let said = refused(from, to);
+        assert!(
+            said.starts_with("robot.toml:")
+                && said.ends_with(&format!(": robot.{key}.name = \"{name}\": {blank}")),
+            "{said}"
+        );
+    }
+    let fin = line("name = \"fin\"");
+    let taken =
+        "robot.surfaces[2].name = \"tail\": allowed is a name of its own: surfaces[1].name is the same";
+    assert_eq!(refused("name = \"fin\"", "name = \"tail\""), format!("robot.toml:{fin}: {taken}"));
+}

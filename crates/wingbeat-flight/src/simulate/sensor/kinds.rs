@@ -41,8 +41,16 @@ macro_rules! instruments {
 
             /// The instruments there are, in the order of the tables.
             pub fn instruments(&self) -> Vec<Instrument> {
+                self.named_instruments().into_iter().map(|(_, instrument)| instrument).collect()
+            }
+
+            /// The same, each with the name of its table.
+            pub(super) fn named_instruments(&self) -> Vec<(&'static str, Instrument)> {
                 let mut all = Vec::new();
-                $(all.extend(self.$key.iter().flat_map(Sensor::instruments));)+
+                $(
+                    let of_table = self.$key.iter().flat_map(Sensor::instruments);
+                    all.extend(of_table.map(|instrument| (stringify!($key), instrument)));
+                )+
                 all
             }
 

@@ -2,6 +2,7 @@
 
 use super::fitted::Fitted;
 use super::{Reading, SensorSpec};
+use crate::simulate::record::Column;
 use std::collections::VecDeque;
 use wingbeat_math::{Quat, Random, Vec3};
 use wingbeat_ocp::plant::{Channel, Fault, Plant, Role};
@@ -76,6 +77,8 @@ pub struct Sensors {
     scratch: Vec<f64>,
     fitted: Option<Fitted>,
     told: Vec<Reading>,
+    /// What the record of a flight shows of them.
+    shown: Vec<f64>,
 }
 
 /// White noise on the state.
@@ -112,13 +115,14 @@ impl Sensors {
             scratch: Vec::new(),
             fitted: None,
             told: Vec::new(),
+            shown: Vec::new(),
         }
     }
 
     /// The sensors of `robot` that `spec` says, on a flight in steps of `step` s; noise and offsets follow `seed`.
     pub fn of(robot: &Robot, spec: &SensorSpec, step: f64, seed: u64) -> Self {
         let wind = robot.wind_over_time().clone();
-        let fitted = Fitted::new(spec.instruments(), robot.states(), wind, step, seed);
+        let fitted = Fitted::new(spec.named_instruments(), robot.states(), wind, step, seed);
         Self { fitted: fitted.filter(|_| spec.reads()), ..Self::noisy(robot, spec, seed) }
     }
 
@@ -132,6 +136,52 @@ impl Sensors {
         u: &[f64],
     ) -> Result<(), Fault> {
         self.fitted.as_mut().map_or(Ok(()), |fitted| fitted.watch(k, plant, t, x, u))
+    }
+
+    /// Columns of what the sensors read, as the record of a flight has them: of each instrument the newest reading that has
+    /// arrived; without instruments, of a controller that is `updated`, what it was last told of each state that has noise or
+    /// comes late.
+    pub fn columns(&self, updated: bool) -> Vec<Column> {
+        match &self.fitted {
+            Some(fitted) => return fitted.columns().to_vec(),
+            None if !updated => return Vec::new(),
+            None => {}
+        }
+        let of = |i: usize| {
+            let Channel { name, unit, frame, .. } = &self.channels[i];
+            Column::new(format!("reading_{name}"), *unit, *frame)
+        };
+        self.off_truth().map(of).collect()
+    }
+
+    /// Numbers of [`columns`](Self::columns) at the time `t`, s, in their units; none before anything was measured.
+    pub(in crate::simulate) fn shown(&mut self, t: f64) -> &[f64] {
+        let mut shown = std::mem::take(&mut self.shown);
+        shown.clear();
+        match (&mut self.fitted, self.waiting.front()) {
+            (Some(fitted), _) => fitted.held(t, &mut shown),
+            (None, Some((_, values))) => shown.extend(self.off_truth().map(|i| values[i])),
+            (None, None) => {}
+        }
+        self.shown = shown;
+        &self.shown
+    }
+
+    /// Numbers of the measured channels of body and structure that are told with noise or late.
+    fn off_truth(&self) -> impl Iterator<Item = usize> + '_ {
+        let noisy = move |i: usize, role: Role| {
+            let noise = self.noise.as_ref();
+            noise.is_some_and(|noise| match role {
+                Role::Attitude(_) => noise.attitude_deviation > 0.0,
+                _ => noise.deviation[self.seen[i]] > 0.0,
+            })
+        };
+        let sensed = |role: Role| {
+            use Role::{AngularRate, Attitude, Displacement, Position, Velocity};
+            matches!(role, Position(_) | Attitude(_) | Velocity(_) | AngularRate(_) | Displacement(_))
+        };
+        let roles = self.channels.iter().map(|channel| channel.role).enumerate();
+        roles.filter(move |&(i, role)| sensed(role) && (self.delay > 0 || noisy(i, role))).map(|(i, _)| i)
     }
 
     /// Tells every state of `plant` with the noise and delay of `spec`; the noise follows `seed`.
