@@ -130,6 +130,43 @@ fn a_robot_whose_sides_differ_gets_actuators_enough() {
     assert_eq!(free("0.004"), ["frequency", "wing_stroke", "wing"]);
 }
 
+/// The robot that docs/robots.md shows.
+fn shown() -> Document {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/robots.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let block = page.split("<!-- robot -->\n```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    Document::text("flapper.toml", block).unwrap()
+}
+
+/// Its wings beat at 4 Hz, and heave is damped within a third of that period: slopes of cycles that do not settle lead its gait to one that glides.
+#[test]
+fn a_robot_that_beats_slowly_is_balanced_at_the_first_speed() {
+    let mut trim = RobotTrim::new(shown(), &[], 0.0).unwrap_or_else(|e| panic!("{e}"));
+    trim.iterations = 0;
+    let until_an_orbit = &mut |at: TrimProgress| match at {
+        TrimProgress::Orbit { orbits: 0, .. } => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    let summary = trim.trim(until_an_orbit).unwrap().summary;
+    let tried = &summary.alone.as_ref().unwrap().tried[0];
+    assert!(tried.power_w_kg.is_some_and(|power| power < 100.0), "{tried:?}");
+    assert!((tried.speed_m_s / trim.scenario.guessed_speed().unwrap() - 1.0).abs() < 0.05, "{tried:?}");
+}
+
+/// What a speed lacks is told, and the best gait glides most of the way.
+#[test]
+#[ignore = "long: cargo xtask long tests"]
+fn the_robot_that_is_shown_is_trimmed() {
+    let trim = RobotTrim::new(shown(), &[], 0.0).unwrap_or_else(|e| panic!("{e}"));
+    let summary = trim.trim(&mut |_| ControlFlow::Continue(())).unwrap().summary;
+    assert_eq!(summary.status, Status::Ok, "{:?}", summary.reason);
+    assert!(summary.power_w_kg.unwrap() < 12.0, "{:?}", summary.power_w_kg);
+    assert!((summary.lift_over_weight.unwrap() - 1.0).abs() < 1e-6, "{:?}", summary.lift_over_weight);
+    let tried = &summary.alone.as_ref().unwrap().tried;
+    let lacks = tried.iter().filter_map(|tried| tried.reason.as_deref());
+    assert!(lacks.clone().any(|why| why.contains("g ahead")), "{tried:?}");
+}
+
 /// Why a turn was not flown is told in words of what was asked, not of the controller that `trim` puts around it.
 #[test]
 fn a_turn_without_a_feedback_says_so() {

@@ -13,6 +13,8 @@ const FAILURES: usize = 6;
 /// Cycles that settle swing and lags at the start and after each step.
 const SETTLING: usize = 12;
 const AFTER_STEP: usize = 4;
+/// Cycles of settling before differences of settled cycles are taken: it goes on alike on both sides of a difference.
+const BEFORE_DIFFERENCE: usize = 2;
 /// What counts as one of the pitch, rad, of the logarithm of the pace, and of a number as a share of its range: steps of least norm
 /// weigh them so, and none goes further in one step. *Choices.*
 const PITCH: f64 = 0.15;
@@ -22,11 +24,14 @@ const SHARE: f64 = 0.2;
 const PITCHES: [f64; 2] = [-1.0, 0.4];
 /// Largest and smallest pace. *Choice.*
 const PACES: f64 = 3.0;
+/// Damping of the first step, and after a step that fails at least ten times this; least damping of those after steps that gain.
+const LEAST_DAMPING: [f64; 2] = [1e-3, 1e-6];
 /// Step of the differences, in the sizes above.
 const DIFFERENCE: f64 = 1e-4;
-/// Mean accelerations that count as balanced, over gravity, and those from which Newton's method may still find the orbit where no step
-/// lessens them. *Choices.*
-const BALANCED: f64 = 0.01;
+/// Mean accelerations that count as balanced along slopes of one cycle and of settled ones, over gravity; those from which Newton's
+/// method mostly finds the orbit where no step lessens them, and from which it may. *Choices.*
+const BALANCED: [f64; 2] = [0.01, 1e-3];
+const NEAR: f64 = 0.03;
 const NEARLY: f64 = 0.15;
 
 /// A gait on its way to balance.
@@ -36,6 +41,12 @@ pub(super) struct BalancingGait {
     pub x: Vec<f64>,
     pub point: Point,
     pub pitch: f64,
+}
+
+/// Where the search for balance ends: a gait, and what it lacks unless that is little.
+pub(super) struct Balanced {
+    pub gait: BalancingGait,
+    pub lacks: Option<String>,
 }
 
 /// What is balanced: a scenario and the ranges of its numbers.
@@ -105,17 +116,21 @@ impl Balance<'_> {
         next
     }
 
-    /// Differences of what is off balance by each unknown, forward or where its range ends backward.
-    fn slopes(&self, gait: &BalancingGait, off: &Vector3<f64>) -> Result<DMatrix<f64>, String> {
+    /// Differences of what is off balance by each unknown, forward or where its range ends backward, each after `cycles` of settling.
+    ///
+    /// Without settling a cycle begins in the swing of the gait before: its drift is that of a robot which sinks, once heave is damped within
+    /// a cycle, and not that of the mean motion which is asked.
+    fn slopes(&self, gait: &BalancingGait, cycles: usize) -> Result<DMatrix<f64>, String> {
         let count = 2 + gait.x.len();
         let columns: Vec<usize> = (0..count).collect();
+        let off = |gait: BalancingGait| Ok::<_, String>(self.settled(gait, cycles)?.1);
+        // What is left to settle is the same on both sides of a difference.
+        let here = off(gait.clone())?;
         let column = |_: usize, &i: &usize| -> Result<Vector3<f64>, String> {
             let sign = if i >= 2 && gait.x[i - 2] > 0.5 { -1.0 } else { 1.0 };
             let mut step = vec![0.0; count];
             step[i] = sign * DIFFERENCE;
-            let beside = self.moved(gait, &step);
-            let there = self.with(&beside.x, |cycle, _| self.off(cycle, &beside.point))?;
-            Ok((there - off) / (sign * DIFFERENCE))
+            Ok((off(self.moved(gait, &step))? - here) / (sign * DIFFERENCE))
         };
         let columns: Vec<Vector3<f64>> =
             parallel::map(&columns, column).into_iter().collect::<Result<_, _>>()?;
@@ -131,7 +146,29 @@ impl Balance<'_> {
         ends.map(|[low, high]| [low.max(-1.0), high.min(1.0)]).collect()
     }
 
-    /// A gait near `start` that is balanced; `tell` hears the iteration and the relative imbalance.
+    /// The gait after a step along `slopes` that lessens what is `off`; none where none of some more and more damped does.
+    fn better(
+        &self,
+        gait: &BalancingGait,
+        off: &Vector3<f64>,
+        slopes: &DMatrix<f64>,
+        damping: &mut f64,
+    ) -> Option<Weighed> {
+        let room = self.room(gait);
+        for _ in 0..FAILURES {
+            let step = least(slopes, off, *damping, &room);
+            match self.settled(self.moved(gait, &step), AFTER_STEP) {
+                Ok((next, left)) if left.norm() < 0.99 * off.norm() => {
+                    *damping = (0.2 * *damping).max(LEAST_DAMPING[1]);
+                    return Some((next, left));
+                }
+                _ => *damping = 10.0 * damping.max(LEAST_DAMPING[0]),
+            }
+        }
+        None
+    }
+
+    /// A gait near `start` that is balanced, or nearly; `tell` hears the iteration and the relative imbalance.
     ///
     /// # Errors
     /// What stays off balance, or why the model cannot be evaluated.
@@ -139,43 +176,40 @@ impl Balance<'_> {
         &self,
         start: BalancingGait,
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<BalancingGait, String> {
+    ) -> Result<Balanced, String> {
         let (mut gait, mut off) = self.settled(start, SETTLING)?;
-        let (mut damping, mut failures) = (1e-3, 0);
+        // Slopes of one cycle cost least; the last steps, and those after the first along which nothing gains, take those of settled cycles.
+        let (mut damping, mut cycles) = (LEAST_DAMPING[0], 0);
         for iteration in 1..=STEPS {
             if tell(iteration, off.amax()).is_break() {
                 return Err("stopped".into());
             }
-            if off.amax() < BALANCED {
-                return Ok(gait);
+            if cycles == 0 && off.amax() < BALANCED[0] {
+                cycles = BEFORE_DIFFERENCE;
             }
-            let slopes = self.slopes(&gait, &off)?;
-            let room = self.room(&gait);
-            while failures < FAILURES {
-                let step = least(&slopes, &off, damping, &room);
-                match self.settled(self.moved(&gait, &step), AFTER_STEP) {
-                    Ok((next, left)) if left.norm() < 0.99 * off.norm() => {
-                        (gait, off, failures) = (next, left, 0);
-                        damping = (0.2 * damping).max(1e-6);
-                        break;
-                    }
-                    _ => (failures, damping) = (failures + 1, 10.0 * damping.max(1e-3)),
-                }
-            }
-            if failures == FAILURES {
+            if off.amax() < BALANCED[1] {
                 break;
             }
-        }
-        if off.amax() < NEARLY {
-            return Ok(gait);
+            let slopes = self.slopes(&gait, cycles)?;
+            match self.better(&gait, &off, &slopes, &mut damping) {
+                Some(next) => (gait, off) = next,
+                None if cycles == 0 => (cycles, damping) = (BEFORE_DIFFERENCE, LEAST_DAMPING[0]),
+                None => break,
+            }
         }
         let [ahead, up, turning] = [off[0], off[1], off[2]];
-        Err(format!(
-            "no balance in the mean: {ahead:+.2} g ahead, {up:+.2} g up, {turning:+.2} g of pitching are left at {:.2} Hz and {:.0} deg \
-             nose up",
-            self.frequency(&gait).unwrap_or(f64::NAN),
-            -gait.pitch.to_degrees()
-        ))
+        let lacks = (off.amax() > NEAR).then(|| {
+            format!(
+                "no balance in the mean: {ahead:+.2} g ahead, {up:+.2} g up, {turning:+.2} g of pitching are left at {:.2} Hz and {:.0} deg \
+                 nose up",
+                self.frequency(&gait).unwrap_or(f64::NAN),
+                -gait.pitch.to_degrees()
+            )
+        });
+        match lacks {
+            Some(lacks) if off.amax() > NEARLY => Err(lacks),
+            lacks => Ok(Balanced { gait, lacks }),
+        }
     }
 
     /// Frequency of a gait, Hz.

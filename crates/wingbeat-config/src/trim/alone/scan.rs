@@ -1,12 +1,12 @@
 //! The scan of speeds: orbits of gaits in balance, and by how much they miss the limits of the search.
 
-use super::balance::{Balance, BalancingGait};
+use super::balance::{Balance, Balanced, BalancingGait};
 use super::begin::{FASTEST, frequency_key};
 use super::{RobotTrim, numbers};
-use crate::ScenarioSpec;
 use crate::trim::TrimProgress;
 use crate::trim::search::VarySpec;
 use crate::trim::summary::TrimSummary;
+use crate::{Document, ScenarioSpec};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{FoundOrbit, Measures, OrbitSection, Point, measure, search, search_from};
@@ -45,6 +45,40 @@ pub(super) struct Candidate {
     tried: Tried,
 }
 
+/// What a scan has found.
+#[derive(Default)]
+struct Scanned {
+    found: Vec<Candidate>,
+    stopped: bool,
+}
+
+impl Scanned {
+    /// Tells `observe` of an iteration.
+    fn teller<'a>(
+        &'a mut self,
+        observe: &'a mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> impl FnMut(usize, f64) -> ControlFlow<()> + 'a {
+        let orbits = self.found.len();
+        move |iteration, residual| {
+            let flow = observe(TrimProgress::Orbit { orbits, iteration, residual });
+            self.stopped |= flow.is_break();
+            flow
+        }
+    }
+
+    /// Takes an orbit over, and tells what was tried.
+    fn take(&mut self, candidate: Candidate, tried: &mut Vec<Tried>) {
+        tried.push(candidate.tried.clone());
+        self.found.push(candidate);
+    }
+
+    /// Whether it was stopped or has found enough.
+    fn ends(&self) -> bool {
+        let good = self.found.iter().filter(|candidate| candidate.order.0 <= 0.0).count();
+        self.stopped || good >= ENOUGH
+    }
+}
+
 impl RobotTrim {
     /// Orbits at the speeds of the scan, from the frequency `hz` in steps of `step` s.
     pub(super) fn scan(
@@ -53,21 +87,25 @@ impl RobotTrim {
         tried: &mut Vec<Tried>,
         observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
     ) -> Vec<Candidate> {
-        let mut found: Vec<Candidate> = Vec::new();
-        let mut stopped = false;
+        let mut scan = Scanned::default();
+        let mut far = Vec::new();
         for speed in SPEEDS.map(|share| share * self.size.speed()) {
-            let mut reason = String::new();
+            let document = self.document_at(speed, hz, step);
+            let (mut reason, mut lacking) = (String::new(), Vec::new());
             for start in STARTS {
-                let mut tell = |iteration, residual| {
-                    let flow = observe(TrimProgress::Orbit { orbits: found.len(), iteration, residual });
-                    stopped |= flow.is_break();
-                    flow
+                let balanced = self.balanced(&document, speed, start, &mut scan.teller(observe));
+                let candidate = match balanced {
+                    Ok(Balanced { gait, lacks: Some(lacks) }) => {
+                        lacking.push(gait);
+                        Err(lacks)
+                    }
+                    Ok(Balanced { gait, .. }) => self.orbit(&document, gait, &mut scan.teller(observe)),
+                    Err(why) => Err(why),
                 };
-                match self.at((speed, hz, step), start, &mut tell) {
+                match candidate {
                     Ok(candidate) => {
                         reason.clear();
-                        tried.push(candidate.tried.clone());
-                        found.push(candidate);
+                        scan.take(candidate, tried);
                         break;
                     }
                     Err(why) if reason.is_empty() => reason = why,
@@ -78,29 +116,56 @@ impl RobotTrim {
                 let none =
                     Tried { speed_m_s: speed, power_w_kg: None, frequency_hz: None, reason: Some(reason) };
                 tried.push(none);
+                far.push((document, lacking));
             }
-            let good = found.iter().filter(|candidate| candidate.order.0 <= 0.0).count();
-            if stopped || good >= ENOUGH {
-                break;
+            if scan.ends() {
+                return scan.found;
             }
         }
-        found
+        self.scan_far(far, scan, tried, observe)
     }
 
-    /// The orbit at `speed`, from the frequency `hz` in steps of `step` s, of the gait nearest to the file's that is in balance.
-    fn at(
+    /// Goes on with the gaits that lack more, each with the scenario of its speed: Newton's method takes long where there is no orbit.
+    fn scan_far(
         &self,
-        (speed, hz, step): (f64, f64, f64),
+        far: Vec<(Document, Vec<BalancingGait>)>,
+        mut scan: Scanned,
+        tried: &mut Vec<Tried>,
+        observe: &mut dyn FnMut(TrimProgress) -> ControlFlow<()>,
+    ) -> Vec<Candidate> {
+        for (document, gaits) in far {
+            if scan.ends() {
+                break;
+            }
+            let mut tell = scan.teller(observe);
+            let orbit = gaits.into_iter().find_map(|gait| self.orbit(&document, gait, &mut tell).ok());
+            drop(tell);
+            orbit.into_iter().for_each(|candidate| scan.take(candidate, tried));
+        }
+        scan.found
+    }
+
+    /// The scenario at `speed`, at the frequency `hz` and in steps of `step` s.
+    fn document_at(&self, speed: f64, hz: f64, step: f64) -> Document {
+        let document = self.document.clone().set(format!("trim.speed_m_s={speed:?}"));
+        let document = document.set(format!("trim.step_s={step:?}"));
+        document.set(format!("{}={hz:?}", frequency_key(&self.scenario.spec)))
+    }
+
+    /// What is balanced in `document`.
+    fn balance<'a>(&'a self, document: &'a Document) -> Balance<'a> {
+        Balance { document, vary: &self.vary, length: 0.1 * self.size.span }
+    }
+
+    /// The gait nearest to the file's that is in balance at `speed`.
+    fn balanced(
+        &self,
+        document: &Document,
+        speed: f64,
         (pitch, pace): (f64, f64),
         tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
-    ) -> Result<Candidate, String> {
-        let document = self
-            .document
-            .clone()
-            .set(format!("trim.speed_m_s={speed:?}"))
-            .set(format!("trim.step_s={step:?}"))
-            .set(format!("{}={hz:?}", frequency_key(&self.scenario.spec)));
-        let balance = Balance { document: &document, vary: &self.vary, length: 0.1 * self.size.span };
+    ) -> Result<Balanced, String> {
+        let balance = self.balance(document);
         let own = |vary: &VarySpec| document.number(&vary.key).map_or(0.5, |value| vary.share(value));
         let x: Vec<f64> = self.vary.iter().map(own).collect();
         let first = balance.scenario(&x)?;
@@ -110,9 +175,17 @@ impl RobotTrim {
         let joints = first.model().start_coordinates();
         z[OrbitSection::BODY..][..joints.len()].copy_from_slice(&joints);
         let inputs = first.held_commands();
-        let gait = BalancingGait { x, point: Point { z, pace, inputs }, pitch };
-        let gait = balance.near(gait, tell)?;
-        let scenario = balance.scenario(&gait.x)?;
+        balance.near(BalancingGait { x, point: Point { z, pace, inputs }, pitch }, tell)
+    }
+
+    /// The orbit that Newton's method finds from a gait.
+    fn orbit(
+        &self,
+        document: &Document,
+        gait: BalancingGait,
+        tell: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Candidate, String> {
+        let scenario = self.balance(document).scenario(&gait.x)?;
         let cycle = scenario.cycle().map_err(|error| error.to_string())?;
         let (course, _) = scenario.asked_of_orbit(&cycle).map_err(|error| error.to_string())?;
         let free = numbers::all_free(scenario.model(), cycle.coupled(&course));
