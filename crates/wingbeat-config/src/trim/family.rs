@@ -6,6 +6,8 @@ use crate::{ConfigError, Document};
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{Cycle, Failure, FoundOrbit, Point, floquet, measure, search_from};
 use wingbeat_flight::simulate::{Column, Record};
+use wingbeat_judge::limits::trim;
+use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::{Fault, Plant};
 
@@ -188,7 +190,47 @@ impl Scenario {
             summary.family_ended = Some(format!("past {} = {:.6}: {reason}", family.key, walk.at));
         }
         summary.family_orbits = Some(record.rows());
+        let ended = summary.family_ended.as_ref().map(|why| {
+            let text = format!("the family ended before its last orbit, {why}");
+            Warning::new("trim.family_ended", text).size(record.rows() as f64).key("trim.family.to")
+        });
+        summary.warnings.extend(ended.into_iter().chain(self.missed_by(family, &record)));
         Ok(record)
+    }
+
+    /// Warns of the orbits of a family past the limits of a periodic flight, of which the first has its own verdict.
+    fn missed_by(&self, family: &Family, record: &Record) -> Option<Warning> {
+        let verdicts: Vec<(usize, Verdict)> = (1..record.rows())
+            .map(|row| (row, self.verdict_of_row(record, row)))
+            .filter(|(_, verdict)| verdict.status > Status::Ok)
+            .collect();
+        let (row, first) = verdicts.first()?;
+        let text = format!(
+            "{} of {} orbits of the family are past limits, the first of them number {} along {}: {}",
+            verdicts.len(),
+            record.rows(),
+            row + 1,
+            family.key,
+            first.reason.as_deref().unwrap_or(first.status.name())
+        );
+        Some(Warning::new("trim.family_limits", text).size(verdicts.len() as f64).key("trim.family"))
+    }
+
+    /// The verdict on an orbit by its [`COLUMNS`].
+    fn verdict_of_row(&self, record: &Record, row: usize) -> Verdict {
+        let value = |name: &str| record.values(name).map(|values| values[row]);
+        let lift = value("lift_over_weight").filter(|_| self.model.thrusters().is_empty());
+        let mut judge = Judge::new(&self.limits);
+        for (limit, value) in [
+            (&trim::POWER, value("power_w_kg")),
+            (&trim::BEYOND_20, value("stall_fraction_20")),
+            (&trim::CLEARANCE, value("least_clearance_m").filter(|least| !least.is_nan())),
+            (&trim::MULTIPLIER, value("largest_multiplier")),
+            (&trim::WEIGHT, lift.map(|lift| (lift - 1.0).abs())),
+        ] {
+            judge.hold_if(limit, value);
+        }
+        judge.verdict()
     }
 
     /// The numbers of [`COLUMNS`].

@@ -30,12 +30,15 @@ const COMMAND: &str = "command_";
 
 impl Free {
     /// What `name` frees: `frequency`; a regulator; of a pair without its side both, alike in straight flight and each
-    /// by itself in a turn. `None` where there is no such name.
+    /// by itself in a turn. `None` where there is no such name, and for the regulator that paces the crank: held by itself it would
+    /// turn the gait at another rate than the cycle's.
     pub fn named(robot: &Robot, name: &str, turning: bool) -> Option<Vec<Self>> {
         if name == FREQUENCY {
             return Some(vec![Self::Frequency]);
         }
-        let find = |name: String| robot.inputs().iter().position(|input| input.name == name);
+        let paces = robot.pacer().map(|pacer| pacer.input);
+        let input = |name: String| robot.inputs().iter().position(|input| input.name == name);
+        let find = |name: String| input(name).filter(|found| Some(*found) != paces);
         if let Some(input) = find(format!("{COMMAND}{name}")) {
             return Some(vec![Self::Inputs(vec![(input, 1.0)])]);
         }
@@ -50,7 +53,9 @@ impl Free {
 
     /// The names there are, of a pair first that of both.
     pub fn names(robot: &Robot) -> Vec<String> {
-        let inputs = || robot.inputs().iter().map(|c| c.name.trim_start_matches(COMMAND));
+        let paces = robot.pacer().map(|pacer| &robot.inputs()[pacer.input].name);
+        let free = || robot.inputs().iter().filter(|input| Some(&input.name) != paces);
+        let inputs = || free().map(|c| c.name.trim_start_matches(COMMAND));
         let is_pair = |pair: &&str| inputs().any(|other| other.strip_suffix("_right") == Some(*pair));
         let pairs = inputs().filter_map(|name| name.strip_suffix("_left")).filter(is_pair);
         std::iter::once(FREQUENCY).chain(pairs).chain(inputs()).map(str::to_owned).collect()

@@ -25,6 +25,7 @@ pub use thruster::ThrusterSpec;
 pub use wing::{WingLinkSpec, WingSpec};
 
 use super::DriveSpec;
+use super::mechanism::BODY;
 use super::numbers::DRAG_AREA;
 use crate::body::INERTIA;
 use serde::{Deserialize, Serialize};
@@ -216,8 +217,12 @@ impl RobotSpec {
         ]
     }
 
-    /// Refuses blank names and names that come twice among parts that they tell apart.
+    /// Refuses blank names, names that come twice among parts that they tell apart, and links with the name of the base.
     fn check_names(&self) -> Result<(), Error> {
+        if let Some(i) = self.links.iter().position(|link| link.name == BODY) {
+            let allowed = format!("another name: {BODY} is the floating base");
+            return Err(Error::invalid(format!("links[{i}].name"), format!("{BODY:?}"), allowed));
+        }
         for parts in self.named_parts() {
             for (i, (key, name)) in parts.iter().enumerate() {
                 let taken = parts[..i].iter().find(|(_, other)| other == name);

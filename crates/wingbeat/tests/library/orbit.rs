@@ -187,6 +187,9 @@ fn what_cannot_be_trimmed_is_refused_or_has_a_reason() {
         scenario.trim(&mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
     };
     assert!(refused(&["trim.free=['frequency', 'tail']"]).contains("frequency, stroke, "));
+    // Held by itself the command of the crank would turn the gait at another rate than the cycle's.
+    let told = refused(&["trim.free=['crank', 'twist']"]);
+    assert!(told.contains("\"crank\"") && !told.contains("crank_") && !told.contains(", crank"), "{told}");
     assert!(refused(&["trim.free=['frequency']"]).contains("two for straight flight"));
     assert!(refused(&["air.wind_m_s=[1.0, 0.0, 0.0]"]).contains("still air"));
     let family =
@@ -225,6 +228,20 @@ fn a_robot_whose_sides_differ_flies_straight() {
     // The heavier left side is carried by more incidence.
     assert!(command("left") > command("right") + 1e-3, "{:?}", summary.commands);
     assert!(summary.multipliers.iter().any(|mode| mode.sector == "coupled"));
+}
+
+/// A family into deep stall says which of its orbits are past limits, though its first is not.
+#[test]
+fn orbits_of_a_family_past_limits_are_told() {
+    let family = "trim.family={along='speed_m_s', to=2.0, steps=3}";
+    let trimmed = scenario("cruise_20g", &["trim.step_s=1e-3", family])
+        .trim(&mut |_| ControlFlow::Continue(()))
+        .unwrap();
+    let stalled = trimmed.family.as_ref().unwrap().values("stall_fraction_20").unwrap().to_vec();
+    let past = stalled.iter().filter(|share| **share > 0.5).count();
+    let told: Vec<_> = trimmed.summary.warnings.iter().filter(|w| w.id == "trim.family_limits").collect();
+    assert!(stalled[0] < 0.5 && past > 0 && told.len() == 1, "{stalled:?}");
+    assert!(told[0].text.contains("along trim.speed_m_s: "), "{}", told[0].text);
 }
 
 /// A family ends in the orbit that is found at its last value from the scenario's own start, by whatever key it goes; straight

@@ -196,6 +196,9 @@ fn names_of_parts_are_their_own_and_no_column_of_the_record() {
         );
         assert_eq!(refused("\"elevator\"", &format!("\"{name}\"")), said);
     }
+    let base = "allowed is another name: body is the floating base";
+    let said = format!("robot.toml:{joint}: robot.links[0].name = \"body\": {base}");
+    assert_eq!(refused("\"elevator\"", "\"body\""), said);
     let blank = "allowed is a name that is not blank";
     for (name, from, to, key) in [
         ("", "name = \"elevator\"\n", "name = \"\"\n", "links[0]"),
