@@ -106,7 +106,7 @@ pub struct Sample<'a> {
     pub u: &'a [f64],
     /// Loads from beyond the robot's own models, as [`Robot::rates_beyond`](wingbeat_robot::Robot::rates_beyond) takes them.
     pub beyond: &'a BeyondLoads,
-    /// What the sensors read, as [`Sensors::columns`] names it; empty before anything was measured.
+    /// What the sensors read, each in the unit of its column of [`Sensors::columns`]; empty before anything was measured.
     pub readings: &'a [f64],
     /// Wall time since the flight began.
     pub elapsed: Duration,
