@@ -22,6 +22,8 @@ pub struct Moved {
     pub turning: Option<usize>,
     /// Cycles, of a motion that repeats, and reduced frequency k = omega c / (2 V) by the mean speed.
     pub repeated: Option<(usize, f64)>,
+    /// Whether nothing moves.
+    pub is_still: bool,
     /// Density of the fluid, kg/m3, and Reynolds number by the mean chord and speed.
     pub fluid: [f64; 2],
 }
@@ -39,6 +41,7 @@ impl Moved {
             advance: advance(tether, chord),
             turning: (!tether.repeats() && goes_far(tether, chord)).then_some(cycles),
             repeated: tether.repeats().then(|| (cycles, PI * frequency_hz * chord / speed)),
+            is_still: tether.motion.is_still(),
             fluid: [density, density * speed * chord / range::viscosity(density)],
         }
     }

@@ -80,6 +80,11 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Why the result is not judged; none where it is.
+    pub fn why_not_judged(&self) -> Option<&str> {
+        self.reason.as_deref().filter(|_| self.status == Status::NotJudged)
+    }
+
     /// The verdict on the run, the course or the file of this name, where it is one of several.
     pub fn of(mut self, name: &str) -> Self {
         self.judged.iter_mut().for_each(|judged| judged.of = Some(name.to_owned()));

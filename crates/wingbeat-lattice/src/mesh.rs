@@ -381,30 +381,40 @@ impl Mesh {
         heads.soften(|_, _| core * core, |_, _| 0.0);
     }
 
-    /// The suction parameter A0 of strip `j` in the wind `wind`: its shares per circulation of the first bound vortex and of all bound
-    /// vortices, s/m2; zero where the leading edge does not move through the air. On a thin aerofoil (Glauert 1926) the vorticity is
-    /// 2 V (A0 cot(t/2) + A1 sin t + ...), V the speed of the undisturbed air square to the edge, and that of all is pi c V (A0 + A1/2).
+    /// The suction parameter A0 of strip `j` times the speed V of the undisturbed air square to the edge: its shares per circulation of the
+    /// first bound vortex and of all bound vortices, 1/m. On a thin aerofoil (Glauert 1926) the vorticity is
+    /// 2 V (A0 cot(t/2) + A1 sin t + ...), and that of all is pi c V (A0 + A1/2).
     /// On m even panels with vortices at 1/4 the first has 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function,
     /// exactly where the wash is a straight line along the chord (of A0 by the inverse of Cauchy's matrix; of A1 found on 4, 8 and 16
-    /// panels); for many panels r is sqrt(m), as [`suction`](crate::LatticeLoads) has it.
+    /// panels); for many panels r is sqrt(m) (1 - 1/(8 m)).
     ///
     /// Equation: lattice.edge_suction
     /// `G_0 = 2 sqrt(pi) V dx r (A0 + A1/(2 m)), r = G(m + 1/2)/G(m) with Euler's function, of m panels; sum of G = pi c V (A0 + A1/2)`
     /// Source: Glauert 1926; first vortex on m even panels: own derivation.
     /// Test: `first_vortices_have_the_suction_of_thin_aerofoils`.
+    pub fn edge_velocity_per_circulation(&self, j: usize) -> [f64; 2] {
+        let (m, width) = (self.chordwise as f64, self.edge_panel_length(j));
+        let ratio = (1..self.chordwise).fold(0.5 * PI.sqrt(), |r, m| r * (m as f64 + 0.5) / m as f64);
+        let [first, all] = [2.0 * PI.sqrt() * width * ratio, PI * width * m];
+        match self.chordwise {
+            1 => [first.recip(), 0.0],
+            _ => [m / (first * (m - 1.0)), -1.0 / (all * (m - 1.0))],
+        }
+    }
+
+    /// Length of the first panel of strip `j` square to the leading edge, m.
+    pub fn edge_panel_length(&self, j: usize) -> f64 {
+        self.controls[j].area / (self.edges[j + 1].le - self.edges[j].le).norm()
+    }
+
+    /// The suction parameter A0 of strip `j` in the wind `wind` (m/s): its shares per circulation of the first bound vortex and of all bound
+    /// vortices, s/m2; zero where the leading edge does not move through the air.
     pub fn suction_per_circulation(&self, j: usize, wind: Vec3) -> [f64; 2] {
         let (left, right) = (&self.edges[j], &self.edges[j + 1]);
         let edge = right.le - left.le;
         let through = wind - (left.v_le + (right.v_le - left.v_le) * self.fractions[j]);
         let speed = through.cross(edge).norm() / edge.norm();
-        let (m, width) = (self.chordwise as f64, self.controls[j].area / edge.norm());
-        let ratio = (1..self.chordwise).fold(0.5 * PI.sqrt(), |r, m| r * (m as f64 + 0.5) / m as f64);
-        let [first, all] = [2.0 * PI.sqrt() * speed * width * ratio, PI * speed * width * m];
-        match self.chordwise {
-            _ if !(first > 0.0) => [0.0; 2],
-            1 => [first.recip(), 0.0],
-            _ => [m / (first * (m - 1.0)), -1.0 / (all * (m - 1.0))],
-        }
+        if speed > 0.0 { self.edge_velocity_per_circulation(j).map(|share| share / speed) } else { [0.0; 2] }
     }
 
     fn place_controls(&mut self) {

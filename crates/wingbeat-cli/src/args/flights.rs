@@ -87,7 +87,8 @@ pub struct TetherArguments {
 /// upper side, in the downstroke over that in the upstroke, of each half of the first surface: negative where one of them pushes down.
 /// `left_over_right` is that of left and right. `wake_drag_n` is the drag by the wake
 /// far behind (Trefftz plane) and `span_efficiency` that of the mean lift by it; both are null in unsteady flow, where the mean
-/// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `past_stall` is the share of
+/// bound circulation of a half changes by more than 0.02 of it within the last cycle (`unsteadiness`). `cycle_change_fraction` is the
+/// change of the mean force by Joukowski from the last cycle but one, over its root mean square. `past_stall` is the share of
 /// strips and time steps that the strip model has past its stall angle, and `strongest` the strongest ring at each phase drawn, and
 /// when it was shed.
 #[derive(Debug, Args)]

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use wingbeat::aero::Aero;
-use wingbeat::judge::{Status, Verdict};
+use wingbeat::judge::Verdict;
 use wingbeat::scenario::{
     Compared, Convergence, MeasuredComparison, Smoothed, SparSummary, TetherCase, TetherSummary, unit,
 };
@@ -231,9 +231,7 @@ fn table(summary: &TetherSummary) -> String {
         let percent = if percent < 1e-3 { format!("{percent:.1e}") } else { format!("{percent:.3}") };
         text += &format!("last two cycles: {percent} % apart ({quantity})\n");
     }
-    if let Some(reason) =
-        summary.verdict.reason.as_ref().filter(|_| summary.verdict.status == Status::NotJudged)
-    {
+    if let Some(reason) = summary.verdict.why_not_judged() {
         text += &format!("\n{}: {reason}\n", summary.verdict.status);
     }
     text.extend(summary.spar.as_ref().map(spar));

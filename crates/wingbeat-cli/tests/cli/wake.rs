@@ -131,6 +131,55 @@ fn few_panels_are_told() {
     assert_eq!(told(["4", "8"]), [false, false]);
 }
 
+#[test]
+fn a_wake_from_rest_says_how_far_it_is_from_settled() {
+    let folder = scratch("wake-settled");
+    let small =
+        ["--prescribed", "--chordwise", "2", "--spanwise", "8", "--no-report", "--force", "--out", "o"];
+    let run = |name: &str, more: &[&str]| {
+        let output = wingbeat(&folder, &[&["wake", &case(name)], &small[..], more].concat());
+        let summary = fs::read_to_string(folder.join("o/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap(), summary)
+    };
+    let (code, text, summary) = run("flap_f1.toml", &["--set", "time.cycles=1", "--steps", "24"]);
+    assert!(
+        code == Some(0) && summary["status"] == "not_judged" && summary["cycle_change_fraction"].is_null()
+    );
+    assert!(text.contains("not_judged: the motion repeats"), "{text}");
+    let (code, _, summary) = run("flap_f1.toml", &["--steps", "24"]);
+    let change = summary["cycle_change_fraction"].as_f64().unwrap();
+    assert!(code == Some(0) && change > 1e-4 && change < 0.01, "{code:?} {change}");
+    let short = ["--set", "time.cycles=2", "--set", "time.frequency_hz=1", "--steps", "24"];
+    let (code, _, summary) = run("step.toml", &short);
+    assert!(code == Some(3) && summary["status"] == "not_periodic", "{code:?} {summary}");
+    // A wing at rest that meets the wind: one instant is no flow, forty semi-chords are a start.
+    let (code, _, summary) = run("step.toml", &["--steps", "1"]);
+    assert!(code == Some(3) && summary["status"] == "not_resolved" && summary["wake_drag_n"].is_null());
+    let (code, _, summary) = run("step.toml", &["--steps", "40"]);
+    assert!(code == Some(0) && summary["warnings"].to_string().contains("wake.started_fraction"));
+    let (code, _, summary) = run("step.toml", &["--steps", "40", "--set", "time.cycles=3"]);
+    assert!(code == Some(0) && !summary["warnings"].to_string().contains("wake.started_fraction"));
+    assert!(summary["cycle_change_fraction"].as_f64().unwrap() < 1e-2, "{summary}");
+}
+
+#[test]
+fn ratios_of_strokes_hold_with_any_number_of_steps() {
+    let folder = scratch("wake-strokes");
+    let ratio = |steps: &str| {
+        let small =
+            ["--prescribed", "--chordwise", "2", "--spanwise", "8", "--no-report", "--force", "--out", "o"];
+        let output =
+            wingbeat(&folder, &[&["wake", &case("flap_f1.toml"), "--steps", steps], &small[..]].concat());
+        assert!(output.status.success(), "{output:?}");
+        let summary = fs::read_to_string(folder.join("o/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        summary["down_over_up"]["left"].as_f64().unwrap()
+    };
+    let [a, b, c] = ["29", "30", "31"].map(ratio);
+    assert!((b / a - 1.0).abs() < 5e-3 && (c / b - 1.0).abs() < 5e-3, "{a} {b} {c}");
+}
+
 /// A joint that lowers the wing as its angle grows begins the downstroke where the wing is highest too.
 #[test]
 fn the_downstroke_does_not_depend_on_the_sign_of_the_joint() {

@@ -55,4 +55,51 @@ impl Stroke {
         let since = |from: f64| (phase - from).rem_euclid(1.0);
         since(self.phases[0]) < (self.phases[2] - self.phases[0]).rem_euclid(1.0)
     }
+    /// Means over the down- and the upstroke of a quantity whose `values` (any unit) lie evenly over the last cycle, from its begin on: of the
+    /// polygon through them, which is closed, so that a sample beside a border counts with its share.
+    ///
+    /// Equation: lattice.stroke_means
+    /// `1/(b - a) int_a^b x dphase of the closed polygon, a and b the begin and end of the stroke`
+    /// Source: definition of a mean; trapezoids.
+    /// Test: `means_of_strokes_do_not_hang_on_the_number_of_samples`.
+    pub fn means(&self, values: &[f64]) -> [f64; 2] {
+        let count = values.len();
+        let at = |k: usize| values[k % count];
+        // Integral from the begin of the cycle to `phase`, in samples.
+        let until = |phase: f64| {
+            let place = phase * count as f64;
+            let (whole, share) = (place as usize, place.fract());
+            let before: f64 = (0..whole).map(|k| 0.5 * (at(k) + at(k + 1))).sum();
+            before + share * (at(whole) + 0.5 * share * (at(whole + 1) - at(whole)))
+        };
+        let [down, _, up, _] = self.phases;
+        let (length, all) = ((up - down).rem_euclid(1.0), until(1.0));
+        let between = until(up) - until(down);
+        let between = if up < down { all + between } else { between };
+        [between / length, (all - between) / (1.0 - length)].map(|sum| sum / count as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn means_of_strokes_do_not_hang_on_the_number_of_samples() {
+        for begin in [0.0, 0.13, 0.77] {
+            let clock = CourseClock { frequency_hz: 1.0, cycles: 1, steps: 48 };
+            let stroke = Stroke::new(&clock, |phase| (TAU * (phase - begin)).cos());
+            // Half a wave of 0.3 + sin over either stroke, whose mean is 0.3 and 2/pi more or less.
+            for count in [24, 25, 31, 36, 61] {
+                let values: Vec<f64> =
+                    (0..count).map(|k| 0.3 + (TAU * (k as f64 / count as f64 - begin)).sin()).collect();
+                let [down, up] = stroke.means(&values);
+                let error = (down - 0.3 - 2.0 / std::f64::consts::PI)
+                    .abs()
+                    .max((up - 0.3 + 2.0 / std::f64::consts::PI).abs());
+                assert!(error < 5e-3, "{begin} {count}: {down} {up}");
+            }
+        }
+    }
 }

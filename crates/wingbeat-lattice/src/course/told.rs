@@ -52,11 +52,14 @@ pub struct CourseSummary {
     /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; null where they are
     /// rounding.
     pub force_apart_fraction: Option<f64>,
+    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square; null of flights, of motions
+    /// that do not repeat, and of a single cycle.
+    pub cycle_change_fraction: Option<f64>,
     /// Sum of all circulations over the largest (Kelvin).
     pub circulation_error: f64,
     /// Largest difference of a ring and its mirror image over the largest ring.
     pub symmetry_error: Option<f64>,
-    /// Mean size of the bound circulation, without its sign, of the downstroke over that of the upstroke.
+    /// Mean bound circulation of the downstroke over that of the upstroke; positive ones lift the wing's upper side.
     pub down_over_up: DownOverUp,
     /// The same of the left half over that of the right.
     pub left_over_right: LeftOverRight,
@@ -130,6 +133,7 @@ impl CourseSummary {
             mean_drag_bernoulli_n: watch.mean("bernoulli", -axes.flight),
             inflow_fraction: watch.inflow(),
             force_apart_fraction: watch.apart(),
+            cycle_change_fraction: watch.cycle_change(),
             circulation_error: watch.circulation_error,
             symmetry_error: watch.symmetry_error(),
             down_over_up: DownOverUp { left: over_up(0), right: over_up(1) },
@@ -157,6 +161,7 @@ impl CourseSummary {
             ("mean drag", self.mean_drag_n, "N, by Joukowski"),
             ("", self.mean_drag_bernoulli_n, "N, by Bernoulli with leading-edge suction"),
             ("both ways apart", self.force_apart_fraction, "rms, over that by Bernoulli"),
+            ("last two cycles apart", self.cycle_change_fraction, "mean force, over its rms"),
             ("air comes in", Some(self.inflow_fraction), "share of trailing edges and steps, over the edge"),
             ("circulation error", Some(self.circulation_error), ""),
             ("symmetry error", self.symmetry_error, ""),
@@ -178,7 +183,8 @@ const STEADY: f64 = 0.02;
 fn far(watch: &CourseWatch<'_>) -> Option<[f64; 2]> {
     let course = watch.course;
     let (drag, span) = watch.far.filter(|_| course.flown.is_none() && course.critical_suction.is_none())?;
-    watch.unsteadiness().filter(|unsteady| *unsteady <= STEADY)?;
+    // A single instant is as steady as a start.
+    watch.unsteadiness().filter(|unsteady| course.clock.total() > 1 && *unsteady <= STEADY)?;
     let lift = watch.mean("joukowski", course.axes.up)?;
     // What revolves may bear steady circulations too, and leaves no straight wake.
     watch.mean("joukowski", course.axes.flight).filter(|along| along.abs() <= lift.abs())?;
@@ -208,10 +214,18 @@ fn judged(watch: &CourseWatch<'_>, asked: &CourseRequest, limits: &RunLimits) ->
             let moved = watch.course.moved;
             moved.iter().for_each(|moved| moved.hold(&mut judge));
             judge.hold_if(&wake::STAYS, moved.and_then(|moved| moved.advance).filter(|_| asked.prescribed));
-            if moved.is_none_or(|moved| moved.repeated.is_some()) {
-                judge.hold(&wake::STEPS, watch.course.clock.steps as f64);
-                judge.hold(&wake::FEW_STEPS, watch.course.clock.steps as f64);
+            let clock = watch.course.clock;
+            match moved {
+                Some(moved) if moved.repeated.is_none() => {
+                    judge.hold(&wake::STEPS_IN_ALL, clock.total() as f64);
+                    judge.hold_if(&wake::STARTED, watch.unsteadiness().filter(|_| moved.is_still));
+                }
+                _ => {
+                    judge.hold(&wake::STEPS, clock.steps as f64);
+                    judge.hold(&wake::FEW_STEPS, clock.steps as f64);
+                }
             }
+            judge.hold_if(&wake::CYCLES, watch.cycle_change());
             if let Some(error) = watch.symmetry_error() {
                 judge.hold(&wake::DRIFTED, error);
                 judge.hold(&wake::LOST, error);
@@ -288,6 +302,9 @@ impl WakeSummary {
                 values.map(|v| format!("{:>13}", v.map_or("-".into(), |v| format!("{v:.4e}")))).collect();
             text += format!("{name:<22}{values}  {unit}").trim_end();
             text.push('\n');
+        }
+        if let Some(reason) = self.verdict.why_not_judged() {
+            text += &format!("\n{}: {reason}\n", self.verdict.status);
         }
         text.extend(self.verdict.warnings.iter().map(|warning| format!("\n{warning}\n")));
         text

@@ -60,8 +60,6 @@ pub struct CourseWatch<'a> {
     inflow: EdgeInflow,
     asymmetry: f64,
     largest: f64,
-    /// Sum and count of the mean bound circulation of the left and right half, in down- and upstroke.
-    halves: [[(f64, f64); 2]; 2],
 }
 
 fn columns(with_loads: bool) -> Vec<Column> {
@@ -100,7 +98,6 @@ impl<'a> CourseWatch<'a> {
             inflow: EdgeInflow::default(),
             asymmetry: 0.0,
             largest: 0.0,
-            halves: [[(0.0, 0.0); 2]; 2],
         }
     }
 
@@ -133,8 +130,6 @@ impl<'a> CourseWatch<'a> {
         }
         self.inflow.add(lattice.meshes(), lattice.scene().wind);
         self.shed = (self.shed.0 + lattice.shed_share(), self.shed.1 + 1.0);
-        let phase = ((k - first_of_last) as f64 + 0.5) / clock.steps as f64;
-        self.add_circulations(sides, usize::from(!course.stroke.is_down(phase)));
         let at = |i: &usize| course.stroke.steps.is_some_and(|steps| steps[*i] == k);
         for i in (0..4).filter(at) {
             self.shoot(PHASES[i], course.stroke.phases[i], lattice, time);
@@ -191,21 +186,18 @@ impl<'a> CourseWatch<'a> {
         [0, 1].map(|side| (widths[side] > 0.0).then(|| sums[side] / widths[side]))
     }
 
-    /// Adds the halves' circulations to those of down- (0) or upstroke (1).
-    fn add_circulations(&mut self, sides: [Option<f64>; 2], stroke: usize) {
-        for (half, mean) in self.halves.iter_mut().zip(sides) {
-            if let Some(mean) = mean {
-                let (sum, count) = &mut half[stroke];
-                (*sum, *count) = (*sum + mean, *count + 1.0);
-            }
-        }
-    }
-
     /// Mean bound circulation of a half (0 left, 1 right) over the down- (0) or upstroke (1) of the last cycle, m2/s; positive lifts the wing's
     /// upper side.
     pub fn circulation(&self, side: usize, stroke: usize) -> Option<f64> {
-        let (sum, count) = self.halves[side][stroke];
-        self.course.stroke.steps.and((count > 0.0 && sum != 0.0).then(|| sum / count))
+        self.course.stroke.steps?;
+        let values = self.last_cycle(["circulation_left", "circulation_right"][side])?;
+        Some(self.course.stroke.means(values)[stroke]).filter(|_| values.iter().any(|value| *value != 0.0))
+    }
+
+    /// A column of the record over the last cycle; none before all of it has been stepped.
+    fn last_cycle(&self, name: &str) -> Option<&[f64]> {
+        let (first, steps) = (self.course.clock.first_of_last(), self.course.clock.steps);
+        self.record.values(name)?.get(first..first + steps)
     }
 
     /// The strongest ring of the wake of a shot, and when it was shed; nothing of a wing that does not stroke.
@@ -236,27 +228,45 @@ impl<'a> CourseWatch<'a> {
     /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; none of a
     /// model's circulations, or where they are rounding.
     pub fn apart(&self) -> Option<f64> {
-        let first = self.course.clock.first_of_last();
         let (mut apart, mut all) = (0.0, 0.0);
         for axis in ["x", "y", "z"] {
-            let [own, other] = ["joukowski", "bernoulli"].map(|way| {
-                self.record.values(&format!("{way}_force_{axis}")).and_then(|all| all.get(first..))
-            });
+            let [own, other] =
+                ["joukowski", "bernoulli"].map(|way| self.last_cycle(&format!("{way}_force_{axis}")));
             for (own, other) in own?.iter().zip(other?) {
                 (apart, all) = (apart + (own - other).powi(2), all + other * other);
             }
         }
+        (all > self.course.clock.steps as f64 * self.no_force().powi(2)).then(|| (apart / all).sqrt())
+    }
+
+    /// Force, N, below which it is rounding.
+    fn no_force(&self) -> f64 {
         let (scene, clock) = (&self.course.scene, self.course.clock);
         let speed = scene.edge_speed(clock.total() as f64 * clock.step_s());
-        let scale = scene.density_kg_m3 * (speed * self.course.chord).powi(2);
-        (all > clock.steps as f64 * (NO_FORCE * scale).powi(2)).then(|| (apart / all).sqrt())
+        NO_FORCE * scene.density_kg_m3 * (speed * self.course.chord).powi(2)
+    }
+
+    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square in the last; none of a flight,
+    /// whose cycles differ, of a motion that does not repeat, of a single cycle, or of forces that are rounding.
+    pub fn cycle_change(&self) -> Option<f64> {
+        let clock = self.course.clock;
+        let before = clock.first_of_last().checked_sub(clock.steps)?;
+        self.course.moved.filter(|moved| moved.is_still || moved.repeated.is_some())?;
+        let (mut change, mut all) = (0.0, 0.0);
+        for axis in ["x", "y", "z"] {
+            let values = self.record.values(&format!("joukowski_force_{axis}"))?;
+            let (earlier, last) = values.get(before..clock.total())?.split_at(clock.steps);
+            let apart = last.iter().zip(earlier).map(|(last, earlier)| last - earlier).sum::<f64>();
+            change += (apart / clock.steps as f64).powi(2);
+            all += last.iter().map(|force| force * force).sum::<f64>() / clock.steps as f64;
+        }
+        (all > self.no_force().powi(2)).then(|| (change / all).sqrt())
     }
 
     /// Largest relative change of the mean bound circulation of a half within the last cycle, over it: none of a steady wing.
     pub fn unsteadiness(&self) -> Option<f64> {
-        let first = self.course.clock.first_of_last();
         let of = |side: &str| {
-            let last = self.record.values(&format!("circulation_{side}"))?.get(first..)?;
+            let last = self.last_cycle(&format!("circulation_{side}"))?;
             let least = last.iter().copied().fold(f64::INFINITY, f64::min);
             let most = last.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let largest = most.max(-least);

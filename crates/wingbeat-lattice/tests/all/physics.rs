@@ -60,8 +60,8 @@ fn rectangles_have_the_slope_of_the_lifting_surface() {
     }
 }
 
-/// Steady drag of a wing of 6 x 24 panels by the forces on its vortices and by its wake, and its span efficiency by the first.
-fn drags(outline: &[[f64; 3]], halved: bool) -> [f64; 3] {
+/// Steady drag of a wing by the forces on its vortices, by pressure and suction, and by its wake, and its span efficiency by the first.
+fn drags(outline: &[[f64; 3]], panels: Panels, halved: bool) -> [f64; 4] {
     let stations: Vec<PlanformStation> = outline
         .iter()
         .map(|[arc_m, leading_edge_m, chord]| PlanformStation {
@@ -74,11 +74,28 @@ fn drags(outline: &[[f64; 3]], halved: bool) -> [f64; 3] {
     let mut still = wing(span, 0.0, 0.0);
     still.wing = Wing::new(Planform::new(&stations).unwrap(), Vec::new()).unwrap();
     still.motion = Motion::at_rest();
-    let (lattice, loads) = run(&still, panels(6, 24), LatticeSettings::new(1e4, 1e-3), 2, halved);
+    let (lattice, loads) = run(&still, panels, LatticeSettings::new(1e4, 1e-3), 2, halved);
     let force = loads[1].joukowski.force;
     let (near, far) = (force.dot(still.wind), lattice.wake_drag().unwrap());
     let lift = force.dot(Vec3::new(ALPHA.sin(), 0.0, ALPHA.cos()));
-    [near, far, lift * lift / (0.5 * PI * span * span * near)]
+    let pressed = loads[1].bernoulli.force.dot(still.wind);
+    [near, pressed, far, lift * lift / (0.5 * PI * span * span * near)]
+}
+
+#[test]
+fn drag_of_pressure_and_suction_is_that_of_the_wake() {
+    for span in [4.0, 8.0, 20.0] {
+        let outline = [[0.0, 0.0, 1.0], [0.5 * span, 0.0, 1.0]];
+        for (m, n, within) in [(2, 12, 0.08), (4, 16, 0.045), (6, 24, 0.03), (12, 24, 0.016)] {
+            let [_, pressed, far, _] = drags(&outline, panels(m, n), true);
+            let error = pressed / far - 1.0;
+            println!("{span}, {m} x {n}: {error:.4}");
+            assert!(error.abs() < within, "{span}, {m} x {n}: {error}");
+        }
+    }
+    // At the kink of a swept wing the strips' edges have another suction than along them.
+    let [_, pressed, far, _] = drags(&[[0.0, 0.0, 1.0], [4.0, -2.3, 1.0]], panels(6, 24), true);
+    assert!((pressed / far - 1.0).abs() < 0.08, "{pressed} {far}");
 }
 
 #[test]
@@ -93,11 +110,11 @@ fn steady_wings_have_the_drag_of_their_wake() {
         (vec![[0.0, 0.0, 1.5], [4.0, -0.25, 0.5]], 0.005),
         (delta, 0.02),
     ] {
-        let [near, far, efficiency] = drags(&outline, true);
+        let [near, _, far, efficiency] = drags(&outline, panels(6, 24), true);
         println!("{outline:?}: {near:e} {far:e} {:.2} %, {efficiency:.4}", 100.0 * (near / far - 1.0));
         assert!((near / far - 1.0).abs() < within && efficiency < 1.0, "{outline:?}: {near} {far}");
     }
-    let [half, whole] = [true, false].map(|halved| drags(&swept(30.0), halved));
+    let [half, whole] = [true, false].map(|halved| drags(&swept(30.0), panels(6, 24), halved));
     assert!(half.iter().zip(whole).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{half:?} {whole:?}");
 }
 
