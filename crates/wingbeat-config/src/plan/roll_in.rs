@@ -278,7 +278,7 @@ impl Scenario {
             solver: self.solver_numbers(optimum, nodes, self.model.inputs()),
             start_s: spec.start_s,
             duration_s: end.map(|t| t - spec.start_s),
-            objective_s: Some(optimum.objective - spec.start_s).filter(|objective| objective.is_finite()),
+            objective_s: Some(optimum.objective).filter(|objective| objective.is_finite()),
             starts: None,
             resimulation_error: BTreeMap::new(),
             final_angles_deg: None,

@@ -127,11 +127,11 @@ impl RollInSpec {
     }
 }
 
-/// The roll-in of any plant with an attitude and an angular rate among its states: min t_f + integral of effort |u|^2 +
+/// The roll-in of any plant with an attitude and an angular rate among its states: min t_f - t_0 + integral of effort |u|^2 +
 /// (z - z_ref)' C (z - z_ref), the paper's problem: boundary conditions r_i at both ends, stroke inequalities g_i, free t_f.
 ///
 /// Equation: guide.roll_in
-/// `min t_f + int (e sum (u_i/limit_i)^2 + (z - z_ref)' C (z - z_ref)) dt, z = [roll, pitch, w], five diagonal
+/// `min t_f - t_0 + int (e sum (u_i/limit_i)^2 + (z - z_ref)' C (z - z_ref)) dt, z = [roll, pitch, w], five diagonal
 /// entries; r_i at both ends, g_i by the strokes`
 /// Source: Paper section IV.
 /// Test: `a_cost_of_attitude_and_rates_adds_no_more_than_it_costs_on_the_quickest_way`.
@@ -198,6 +198,7 @@ impl<'a, P: Plant> RollIn<'a, P> {
         let elements = chart.states().iter().filter(|c| matches!(c.role, Role::Displacement(_))).count();
         assert_eq!(strokes.len(), elements, "a stroke for each element");
         limited_clearances(plant, spec.clearance_m)?;
+        clear_at_start(plant, x, spec)?;
         let half_ranges: Vec<f64> = plant.inputs().iter().map(|c| 0.5 * (c.high - c.low)).collect();
         Ok(Self {
             settled: settled(chart.states(), strokes, spec),
@@ -391,7 +392,7 @@ impl<P: Plant> OptimalControl for RollIn<'_, P> {
     }
 
     fn end_cost<S: Scalar>(&self, ends: Ends<S>) -> S {
-        ends.t[1]
+        ends.t[1] - ends.t[0]
     }
 
     fn constrain_ends<S: Scalar>(&self, ends: Ends<S>, values: &mut [S]) {
@@ -425,6 +426,25 @@ pub(super) fn limited_clearances<P: Plant>(plant: &P, least: Option<f64>) -> Res
             Err(Error::invalid("clearance_m", given, "a robot with clearances, or no limit"))
         }
         _ => Ok(()),
+    }
+}
+
+/// Distance, m, by which parts may be nearer at the start than is asked: below what solvers tell apart. *Choice.*
+const AT_START: f64 = 1e-6;
+
+/// Refuses a clearance that the state `x`, at which a plan starts whatever is planned, does not have.
+fn clear_at_start<P: Plant>(plant: &P, x: &[f64], spec: &RollInSpec) -> Result<(), Error> {
+    let (Some(least), clearances) = (spec.clearance_m, plant.clearances()) else { return Ok(()) };
+    let mut values = vec![0.0; clearances.len()];
+    if plant.clear(spec.start_s, x, &mut values).is_err() {
+        return Ok(());
+    }
+    match clearances.iter().zip(&values).find(|(_, value)| **value < least - AT_START) {
+        Some((channel, value)) => {
+            let allowed = format!("at most {value:.3e}, what {} has at the start of the plan", channel.name);
+            Err(Error::invalid("clearance_m", least, allowed))
+        }
+        None => Ok(()),
     }
 }
 
@@ -573,6 +593,9 @@ mod tests {
         // The limit holds at the nodes; where torque ends within an interval the cubic between bulges over it.
         let fastest = points.x.iter().map(|x| x[problem.rate]).fold(0.0, f64::max);
         assert!((fastest - 0.3).abs() < 0.01, "{fastest}");
+        let wide = RollInSpec { clearance_m: Some(1.1), ..spec.clone() };
+        let error = RollIn::new(&top, &x, &[], &wide).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.contains("at the start of the plan"), "{error}");
         let bare = Top { clearances: Vec::new(), ..top };
         let error = RollIn::new(&bare, &x, &[], &spec).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.starts_with("clearance_m = 0.7"), "{error}");

@@ -18,7 +18,7 @@ pub const INTERVAL_ERROR: JudgedLimit = JudgedLimit::at_most("plan.interval_erro
 /// The same over the tolerance that the plan asks for; up to a hundred times of it the solver goes on.
 pub const OVER_TOLERANCE: JudgedLimit = JudgedLimit::warn_above("plan.error_over_tolerance", 1.0, "")
     .on("the mesh is coarser than the plan asks (more meshes, or a larger tolerance): error between the nodes over the tolerance");
-/// An optimum that moves with its mesh. Shipped plans change by .002 and less. *Choice.*
+/// An optimum that moves with its mesh. Shipped roll-ins change by .007 and less. *Choice.*
 pub const OBJECTIVE_CHANGE: JudgedLimit = JudgedLimit::warn_above("plan.objective_change_fraction", 0.01, "")
     .on("the optimum moves with the mesh: relative change of the objective from the mesh before");
 /// A simulation under the planned inputs that comes elsewhere says that mesh or model do not hold the plan.
