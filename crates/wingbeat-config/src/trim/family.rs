@@ -1,12 +1,12 @@
 //! Orbits along a parameter.
 
 use super::spec::{FamilySpec, TrimSpec};
+use super::verdict::OrbitMeasures;
 use super::{Scenario, TrimSummary};
 use crate::{ConfigError, Document};
 use std::ops::ControlFlow;
 use wingbeat_flight::orbit::{Cycle, Failure, FoundOrbit, Point, floquet, measure, search_from};
 use wingbeat_flight::simulate::{Column, Record};
-use wingbeat_judge::limits::trim;
 use wingbeat_judge::{Judge, Status, Verdict, Warning};
 use wingbeat_math::Error;
 use wingbeat_ocp::plant::{Fault, Plant};
@@ -219,17 +219,15 @@ impl Scenario {
     /// The verdict on an orbit by its [`COLUMNS`].
     fn verdict_of_row(&self, record: &Record, row: usize) -> Verdict {
         let value = |name: &str| record.values(name).map(|values| values[row]);
-        let lift = value("lift_over_weight").filter(|_| self.model.thrusters().is_empty());
         let mut judge = Judge::new(&self.limits);
-        for (limit, value) in [
-            (&trim::POWER, value("power_w_kg")),
-            (&trim::BEYOND_20, value("stall_fraction_20")),
-            (&trim::CLEARANCE, value("least_clearance_m").filter(|least| !least.is_nan())),
-            (&trim::MULTIPLIER, value("largest_multiplier")),
-            (&trim::WEIGHT, lift.map(|lift| (lift - 1.0).abs())),
-        ] {
-            judge.hold_if(limit, value);
-        }
+        let measures = OrbitMeasures {
+            power_w_kg: value("power_w_kg"),
+            stall_fraction_20: value("stall_fraction_20"),
+            least_clearance_m: value("least_clearance_m").filter(|least| !least.is_nan()),
+            largest_multiplier: value("largest_multiplier"),
+            lift_over_weight: value("lift_over_weight"),
+        };
+        measures.hold(&self.model, &mut judge);
         judge.verdict()
     }
 

@@ -11,6 +11,37 @@ use wingbeat_judge::{Judge, JudgedLimit, RunLimits, Verdict, Warning};
 use wingbeat_math::Vec3;
 use wingbeat_robot::Robot;
 
+/// Numbers of an orbit that every one is held against, those of a family too; none where the robot has none.
+pub(super) struct OrbitMeasures {
+    /// Positive power of the drives over the mass, W/kg.
+    pub(super) power_w_kg: Option<f64>,
+    /// Share of strips and instants 20 deg and more past stall.
+    pub(super) stall_fraction_20: Option<f64>,
+    /// Least clearance between parts, m.
+    pub(super) least_clearance_m: Option<f64>,
+    /// Largest Floquet multiplier.
+    pub(super) largest_multiplier: Option<f64>,
+    /// Mean aerodynamic force upward over the weight.
+    pub(super) lift_over_weight: Option<f64>,
+}
+
+impl OrbitMeasures {
+    /// Holds those of an orbit of `robot` against the limits.
+    pub(super) fn hold(&self, robot: &Robot, judge: &mut Judge) {
+        // Thrusters carry too.
+        let lift = self.lift_over_weight.filter(|_| robot.thrusters().is_empty());
+        for (limit, value) in [
+            (&trim::POWER, self.power_w_kg),
+            (&trim::BEYOND_20, self.stall_fraction_20),
+            (&trim::CLEARANCE, self.least_clearance_m),
+            (&trim::MULTIPLIER, self.largest_multiplier),
+            (&trim::WEIGHT, lift.map(|lift| (lift - 1.0).abs())),
+        ] {
+            judge.hold_if(limit, value);
+        }
+    }
+}
+
 impl TrimSummary {
     /// Judges the orbit that was found.
     pub(super) fn judge(
@@ -35,20 +66,21 @@ impl TrimSummary {
         // Of an orbit that gains hold what grows without them is told.
         let alone =
             self.largest_multiplier.filter(|_| growth.is_some_and(|growth| growth <= trim::GROWS.value));
-        // Thrusters carry too.
-        let lift = self.lift_over_weight.filter(|_| robot.thrusters().is_empty());
-        let held: [(&'static JudgedLimit, Option<f64>); 12] = [
-            (&trim::POWER, self.power_w_kg),
+        let of_every_orbit = OrbitMeasures {
+            power_w_kg: self.power_w_kg,
+            stall_fraction_20: self.stall_fraction_20,
+            least_clearance_m: self.least_clearance_m,
+            largest_multiplier: self.largest_multiplier,
+            lift_over_weight: self.lift_over_weight,
+        };
+        of_every_orbit.hold(robot, &mut judge);
+        let held: [(&'static JudgedLimit, Option<f64>); 7] = [
             (&trim::HIGH_POWER, self.power_w_kg),
-            (&trim::BEYOND_20, self.stall_fraction_20),
-            (&trim::CLEARANCE, self.least_clearance_m),
             (&trim::SKIN, self.least_clearance_m.and_then(touching)),
-            (&trim::MULTIPLIER, self.largest_multiplier),
             (&trim::GROWS, growth),
             (&trim::ALONE_GROWS, alone),
             (&trim::GAINS_GROW, upset),
             (&trim::RESIDUAL, self.residual),
-            (&trim::WEIGHT, lift.map(|lift| (lift - 1.0).abs())),
             (&trim::STEPS, steps),
         ];
         for (limit, value) in held {

@@ -62,7 +62,7 @@ impl CycleMean {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Periodicity {
     /// Largest change of a mean or of half a range of the forces, moments, torques and powers from the last cycle but
-    /// one to the last, each over the largest magnitude of any of its unit in the last; moments over a thousandth of the largest force
+    /// one to the last, each over the largest magnitude of any of its unit in the last; moments over a tenth of the largest force
     /// times the chord at least.
     pub change: f64,
     /// The column with that change.
@@ -72,8 +72,9 @@ pub struct Periodicity {
 /// Power over that of the forces at the speed of the wind below which it is none.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Moment over force and chord, dimensionless, below which a change of moments is measured by that. *Choice.*
-const LEAST_ARM: f64 = 1e-3;
+/// Moment over force and chord, dimensionless, below which a change of moments is measured by that: moments about the quarter chord are
+/// what larger ones leave, and a hundredth of this is a centre of pressure that moves by a thousandth of the chord. *Choice.*
+const LEAST_ARM: f64 = 0.1;
 
 /// Units of what must repeat for a run to be periodic.
 const LOADS: [&str; 3] = ["N", "N m", "W"];
@@ -169,6 +170,6 @@ mod tests {
             }
             Periodicity::of(&means(&record, 4), 3.0, 0.1).unwrap().change
         };
-        assert!(change(1e-13) < 1e-8 && change(1e-3) > 0.5);
+        assert!(change(1e-13) < 1e-8 && change(1e-3) > 0.1 && change(1e-5) < 0.01);
     }
 }

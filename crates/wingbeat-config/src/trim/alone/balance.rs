@@ -13,7 +13,7 @@ const FAILURES: usize = 6;
 /// Cycles that settle swing and lags at the start and after each step.
 const SETTLING: usize = 12;
 const AFTER_STEP: usize = 4;
-/// Cycles of settling before differences of settled cycles are taken: it goes on alike on both sides of a difference.
+/// Cycles of settling before differences of settled cycles are taken: it goes on alike on both sides of a difference. *Choice.*
 const BEFORE_DIFFERENCE: usize = 2;
 /// What counts as one of the pitch, rad, of the logarithm of the pace, and of a number as a share of its range: steps of least norm
 /// weigh them so, and none goes further in one step. *Choices.*
@@ -24,7 +24,7 @@ const SHARE: f64 = 0.2;
 const PITCHES: [f64; 2] = [-1.0, 0.4];
 /// Largest and smallest pace. *Choice.*
 const PACES: f64 = 3.0;
-/// Damping of the first step, and after a step that fails at least ten times this; least damping of those after steps that gain.
+/// Damping of the first step, and after a step that fails at least ten times this; least damping of those after steps that gain. *Choices.*
 const LEAST_DAMPING: [f64; 2] = [1e-3, 1e-6];
 /// Step of the differences, in the sizes above.
 const DIFFERENCE: f64 = 1e-4;
