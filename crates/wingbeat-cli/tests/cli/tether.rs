@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::{entries, root, scratch, wingbeat};
+use wingbeat_io::read_csv;
 
 fn cases() -> PathBuf {
     root().join("cases")
@@ -547,4 +548,27 @@ fn half_a_wing_keeps_its_mirror_plane() {
     let run = ["--set", "wing.side=\"left\"", "--out", "o"];
     let told = String::from_utf8_lossy(&tether(&folder, Path::new("half.toml"), &run).stderr).into_owned();
     assert!(told.contains("hinges[0].side = given: allowed is `both` of half a wing"), "{told}");
+}
+
+#[test]
+fn half_a_wing_is_exported_with_the_forces_of_its_record() {
+    let folder = scratch("tether-half-vtk");
+    for side in ["left", "right", "both"] {
+        let set = format!("wing.side=\"{side}\"");
+        let run = ["--quiet", "--force", "--no-report", "--out", "a", "--set", &set];
+        let case = root().join("cases/flap_f1.toml");
+        assert!(tether(&folder, &case, &run).status.success());
+        let out = wingbeat(&folder, &["export", "a", "--vtk", "--force", "--quiet", "--out", "v"]);
+        assert!(out.status.success(), "{out:?}");
+        let frame = fs::read_to_string(folder.join("v/frame_00000.vtk")).unwrap();
+        let forces = frame.split("VECTORS force_N double\n").nth(1).unwrap();
+        let row = |line: &str| line.split(' ').map(str::parse::<f64>).collect::<Result<Vec<_>, _>>().ok();
+        let forces: Vec<Vec<f64>> = forces.lines().map_while(row).collect();
+        let loads = read_csv(&folder.join("a/loads.csv")).unwrap();
+        for (axis, name) in ["force_x", "force_y", "force_z"].iter().enumerate() {
+            let sum: f64 = forces.iter().map(|force| force[axis]).sum();
+            let own = loads.values(name).unwrap()[0];
+            assert!((sum - own).abs() < 1e-6 * (1e-3 + own.abs()), "{side} {name}: {sum} {own}");
+        }
+    }
 }

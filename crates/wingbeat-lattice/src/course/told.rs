@@ -52,7 +52,7 @@ pub struct CourseSummary {
     /// Root mean square over the last cycle of the difference of the forces by Joukowski and by Bernoulli over that of the latter; null where they are
     /// rounding.
     pub force_apart_fraction: Option<f64>,
-    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square; null of flights, of motions
+    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square, dimensionless; null of flights, of motions
     /// that do not repeat, and of a single cycle.
     pub cycle_change_fraction: Option<f64>,
     /// Sum of all circulations over the largest (Kelvin).

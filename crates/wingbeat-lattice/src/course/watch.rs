@@ -246,7 +246,7 @@ impl<'a> CourseWatch<'a> {
         NO_FORCE * scene.density_kg_m3 * (speed * self.course.chord).powi(2)
     }
 
-    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square in the last; none of a flight,
+    /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square in the last, dimensionless; none of a flight,
     /// whose cycles differ, of a motion that does not repeat, of a single cycle, or of forces that are rounding.
     pub fn cycle_change(&self) -> Option<f64> {
         let clock = self.course.clock;
