@@ -76,15 +76,15 @@ pub fn robustness(record: &Record, limits: (f64, f64), others: &[UndrawnLimit]) 
     } else {
         String::new()
     };
-    let range = |of: fn(&(f64, f64, (usize, String))) -> f64, limit: f64| {
-        let values = flights.iter().map(of).chain([limit]);
+    let range = |errors: Vec<f64>, limit: f64| {
+        let values = errors.into_iter().chain([limit]);
         let (low, high) =
             values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
         FrameAxis::log(0.7 * low, 1.5 * high)
     };
-    let x = range(|flight| flight.0, limits.0)
+    let x = range(flights.iter().map(|flight| flight.0).collect(), limits.0)
         .labelled(format!("largest error of roll [°]; dashed: limit {}°{below}", limits.0));
-    let y = range(|flight| flight.1, limits.1)
+    let y = range(flights.iter().map(|flight| flight.1).collect(), limits.1)
         .labelled(format!("largest error of pitch [°]; dashed: limit {}°", limits.1));
     Ok(clouds("robustness", &all, (x, y), 0.6, |frame| {
         frame.upwards(limits.0, style::GUIDE, style::FINE, Some(style::GUIDE_DASHES));
