@@ -52,7 +52,7 @@ pub fn fly(arguments: &Fly) -> Result<(), Error> {
         write_parquet(&folder.file("strips.parquet"), strips)?;
     }
     let (goal, paper) = (scenario.spec.goal.as_ref(), scenario.spec.paper.as_ref());
-    let asked = FigureTargets { robot: Some(scenario.robot()), goal, paper };
+    let asked = FigureTargets { robot: Some(scenario.robot()), goal, paper, plan_start_s: None };
     draw(&folder, &run.record, asked, &of_flight(&run.record), &interrupt)?;
     let flown = wingbeat_report::run::FlownScenario { scenario: &scenario, record: &run.record };
     report::beside(&folder, &scenario.spec.name, Some(flown), !arguments.page.no_report)?;

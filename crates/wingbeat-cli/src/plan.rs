@@ -71,7 +71,11 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Error> {
     let mut drawn = Ok(());
     if let Some(record) = &planned.record {
         write_parquet(&folder.file("record.parquet"), record)?;
-        let asked = FigureTargets { robot: Some(scenario.robot()), ..FigureTargets::default() };
+        let plan_start_s = match &planned.summary {
+            PlanSummary::RollIn(summary) => Some(summary.start_s),
+            PlanSummary::LeastPower(_) => None,
+        };
+        let asked = FigureTargets { robot: Some(scenario.robot()), plan_start_s, ..FigureTargets::default() };
         drawn = draw(&folder, record, asked, figures(&planned.summary), &interrupt);
     }
     let cut = match drawn {

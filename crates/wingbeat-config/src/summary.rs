@@ -48,6 +48,9 @@ pub struct Summary {
     pub judged: Vec<Judged>,
     /// What the goal asked and could not be judged, by key.
     pub not_judged: Vec<&'static str>,
+    /// Number of records of the part that counts (dimensionless).
+    #[serde(skip)]
+    pub settled_records: usize,
     /// Simulated time, s.
     pub duration_s: f64,
     /// Ratio of simulated to wall time.
@@ -404,6 +407,7 @@ impl Summary {
         let mut summary = Self::of_run(flight, context)
             .with_way(&settled, crossing.as_ref(), context)
             .with_attitude(&settled, context);
+        summary.settled_records = record.rows().saturating_sub(first);
         if let Some(means) = context.means {
             summary = summary.with_means(means);
         }

@@ -176,7 +176,7 @@ fn flight(summary: &Summary, hold: Hold) -> Vec<f64> {
     let of = |value: Option<f64>| value.filter(|_| completed).unwrap_or(f64::NAN);
     let whole = |value: f64| of(Some(value));
     let fixed: [f64; FLIGHT.len()] = [
-        f64::from(u8::from(hold.met(summary))),
+        hold.met(summary).map_or(f64::NAN, |held| f64::from(u8::from(held))),
         f64::from(u8::from(completed)),
         f64::from(summary.status as u8),
         summary.warnings.len() as f64,

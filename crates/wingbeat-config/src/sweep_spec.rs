@@ -163,10 +163,16 @@ impl Hold {
     };
 
     /// True when the whole flight was flown and resolved, and the errors stayed within; on a landing, where it latched and no limit was missed.
-    pub fn met(&self, summary: &Summary) -> bool {
+    /// None of a flight that was flown whole, of which one record or none is left to judge.
+    pub fn met(&self, summary: &Summary) -> Option<bool> {
         if let Some(perch) = &summary.perch {
-            return perch.caught && summary.status.exit_code() == 0;
+            return Some(perch.caught && summary.status.exit_code() == 0);
         }
+        (!summary.completed() || summary.settled_records > 1).then(|| self.within(summary))
+    }
+
+    /// True when a flight was flown whole and resolved, and its errors stayed within.
+    fn within(&self, summary: &Summary) -> bool {
         summary.status < Status::NotResolved
             && summary.roll_max_error_deg.is_some_and(|e| e <= self.roll_within_deg)
             && summary.pitch_max_error_deg.is_some_and(|e| e <= self.pitch_within_deg)

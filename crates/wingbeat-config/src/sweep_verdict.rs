@@ -1,6 +1,6 @@
 //! The verdict on a sweep.
 
-use super::sweep_spec::Draw;
+use super::sweep_spec::{Draw, Sampling};
 use super::{Sweep, SweepOf};
 use std::collections::BTreeMap;
 use wingbeat_flight::simulate::Record;
@@ -91,12 +91,37 @@ impl Sweep {
         }
         if matches!(self.of, SweepOf::Flights(_)) {
             let held = record.values("held").unwrap_or_default();
+            let windowless = held.iter().filter(|held| held.is_nan()).count();
+            judge.hold(&sweep::WINDOWLESS, share(windowless, counts.runs));
             let held = held.iter().filter(|held| **held == 1.0).count();
             judge.hold(&sweep::HELD, share(held, counts.runs));
         }
-        let in_vain = self.given_twice().into_iter().chain(self.unheard(record));
+        let in_vain = self.given_twice().into_iter().chain(self.unheard(record)).chain(self.alike(record));
         self.of_fits().into_iter().chain(in_vain).for_each(|warning| judge.warn(warning));
         judge.verdict()
+    }
+
+    /// Whether all runs, of which `record` has a row each, have the same results to the last digit: then they are one run made several times, and
+    /// no sample.
+    pub fn all_alike(&self, record: &Record) -> bool {
+        let results = self.of.measures();
+        let same = |(name, _): &(&str, &str)| {
+            let values = record.values(name).unwrap_or_default();
+            values.iter().all(|value| *value == values[0] || value.is_nan() && values[0].is_nan())
+        };
+        record.rows() > 1 && results.iter().all(same)
+    }
+
+    /// The warning that the flights of a sample, of which one was carried out to its end, are one flight.
+    fn alike(&self, record: &Record) -> Option<Warning> {
+        let flown = record.values("completed").unwrap_or_default().contains(&1.0);
+        let sample = matches!(self.of, SweepOf::Flights(_)) && self.spec.sampling != Sampling::Grid;
+        let text = format!(
+            "all {} flights agree to the last digit and count as one: the share held has no confidence interval (draw what acts on the flight)",
+            record.rows()
+        );
+        let warning = || Warning::new("sweep.alike", text).size(record.rows() as f64).key("draws");
+        (flown && sample && self.all_alike(record)).then(warning)
     }
 
     /// The warnings that a draw changes no result: runs that differ in it alone agree to the last digit. `record` has a row for each run.

@@ -15,16 +15,23 @@ pub struct ShownSample {
     x: Vec<f64>,
     u: Vec<f64>,
     beyond: BeyondLoads,
+    readings: Vec<f64>,
 }
 
 impl ShownSample {
     /// A copy of a sample.
     pub fn of(sample: &Sample) -> Self {
-        Self { t: sample.t, x: sample.x.to_vec(), u: sample.u.to_vec(), beyond: sample.beyond.clone() }
+        Self {
+            t: sample.t,
+            x: sample.x.to_vec(),
+            u: sample.u.to_vec(),
+            beyond: sample.beyond.clone(),
+            readings: sample.readings.to_vec(),
+        }
     }
 }
 
-/// The record of a flight as far as its samples are known, without what controller, sensors and strips tell.
+/// The record of a flight as far as its samples are known, with the readings of its sensors, without what controller and strips tell.
 pub struct Watched<'a>(Recorder<'a>);
 
 impl Scenario {
@@ -33,7 +40,8 @@ impl Scenario {
     /// # Errors
     /// Columns of one name.
     pub fn watched(&self) -> Result<Watched<'_>, Error> {
-        Recorder::new(self.robot(), self.manoeuvre(), (&AtRest, Vec::new()), 0, None).map(Watched)
+        let readings = self.sensors().columns(self.schedule.steps_per_update.is_some());
+        Recorder::new(self.robot(), self.manoeuvre(), (&AtRest, readings), 0, None).map(Watched)
     }
 }
 
@@ -43,8 +51,8 @@ impl Watched<'_> {
     /// # Errors
     /// A state that has no loads, or a number that is not finite.
     pub fn add(&mut self, seen: &ShownSample) -> Result<(), Fault> {
-        let ShownSample { t, x, u, beyond } = seen;
-        self.0.sample(&Sample { t: *t, x, u, beyond, readings: &[], elapsed: Duration::ZERO }, &AtRest)
+        let ShownSample { t, x, u, beyond, readings } = seen;
+        self.0.sample(&Sample { t: *t, x, u, beyond, readings, elapsed: Duration::ZERO }, &AtRest)
     }
 
     /// The record so far.

@@ -13,7 +13,15 @@ const AXES: [(&str, &str); 3] =
 /// Every `force_<source>_x`, `_y`, `_z` and the thrust of thrusters (body frame), which all sum to zero, and the sum of those of the air
 /// over the last whole stroke; over the whole record when there is none.
 pub fn forces(record: &Record) -> Result<Figure, Error> {
-    let (panels, x_label) = panels(record)?;
+    forces_since(record, None)
+}
+
+/// As [`forces`], over all rows from the time `start`, s, on where there is one: those of a plan that a flight precedes.
+///
+/// # Errors
+/// As [`forces`].
+pub fn forces_since(record: &Record, start: Option<f64>) -> Result<Figure, Error> {
+    let (panels, x_label) = panels(record, start)?;
     Ok(Figure::new("forces", stacked(panels, &x_label, style::PANEL)))
 }
 
@@ -27,26 +35,27 @@ type NamedCurve = (String, Vec<f64>);
 #[doc(hidden)]
 pub fn drawn_forces(record: &Record) -> Result<[Vec<NamedCurve>; 3], Error> {
     let of = |panel: FigurePanel| panel.curves.into_iter().map(|curve| (curve.name, curve.y)).collect();
-    let mut along = panels(record)?.0.into_iter().map(of);
+    let mut along = panels(record, None)?.0.into_iter().map(of);
     Ok([(); 3].map(|()| along.next().unwrap_or_default()))
 }
 
 /// Its panels, and what lies along them.
-fn panels(record: &Record) -> Result<(Vec<FigurePanel>, String), Error> {
+fn panels(record: &Record, since: Option<f64>) -> Result<(Vec<FigurePanel>, String), Error> {
     let t = needed(record, "t")?;
     let sources = sources(record);
     if sources.is_empty() {
         return Err(Error::Column("force_<source>_x".into()));
     }
     // By the phase of the gait, as loads and orbits are drawn; a record without one by its joints.
-    let turning = cycle::last(record);
+    let turning = if since.is_none() { cycle::last(record) } else { None };
     let phased = if turning.is_some() { cycle::phased(record) } else { None };
     let whole = phased.clone().map(|phased| phased.0).or(turning);
-    let rows = whole.clone().unwrap_or(0..t.len());
+    let first = since.map_or(0, |start| t.partition_point(|now| *now < start - 1e-9));
+    let rows = whole.clone().unwrap_or(first..t.len());
     if rows.len() < 2 {
         return Err(Error::Rows { rows: rows.len(), needed: 2 });
     }
-    let start = t[rows.start];
+    let start = if since.is_some() { 0.0 } else { t[rows.start] };
     let period = if whole.is_some() { t[rows.end - 1] - start } else { 1.0 };
     let x: Vec<f64> = match &phased {
         Some((_, cycles)) => cycles.clone(),

@@ -55,7 +55,7 @@ pub use error::Error;
 pub use estimate::estimate;
 pub use followed::{ground, tracking};
 pub use force_moment::force_moment;
-pub use forces::{drawn_forces, forces};
+pub use forces::{drawn_forces, forces, forces_since};
 pub use gait::gait;
 pub use hover::hover;
 pub use joints::joint_histories;
@@ -64,7 +64,7 @@ pub use orbit::{family, multipliers, orbit};
 pub use overlaid::{MOST_PANELS, OverlaidQuantity, overlaid};
 pub use path::path;
 pub use processing::{CellOrigin, cycles, filtered};
-pub use robustness::robustness;
+pub use robustness::{UndrawnLimit, robustness};
 pub use search::convergence_of_search;
 pub use show::Drawing;
 pub use starts::starts;
@@ -86,6 +86,8 @@ pub struct FigureTargets<'a> {
     pub goal: Option<&'a GoalSpec>,
     /// Published numbers.
     pub paper: Option<&'a PaperResults>,
+    /// Time at which a plan begins, s, before which the record shows the flight that leads to it.
+    pub plan_start_s: Option<f64>,
 }
 
 /// What draws a figure of a record.
@@ -96,7 +98,7 @@ pub const FLIGHT: [FigureMaker; 4] = [
     states,
     |record, asked| path(record, asked.paper),
     |record, _| commands(record),
-    |record, _| forces(record),
+    |record, asked| forces_since(record, asked.plan_start_s),
 ];
 
 /// Those of what gives way, likewise.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use wingbeat::math::DEGREES;
 use wingbeat::math::order::ascend_by;
 
-use wingbeat::simulate::Record;
+use wingbeat::simulate::{Column, Record};
 
 use crate::chart::{Chart, ChartAxis, ChartSeries, Look, grid};
 use crate::panel::{FigurePanel, PanelCurve, stacked};
@@ -210,20 +210,23 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
         let points = along.0.iter().copied().zip(values.iter().map(|v| 1e3 * v)).collect();
         charts.push(chart("least clearance [mm]", vec![ChartSeries::new("", points, Look::Line, 0)]));
     }
-    let commands = record
+    let commands: Vec<&Column> = record
         .columns()
         .iter()
-        .filter(|column| column.name.starts_with("command_") && column.values.iter().any(|v| v.abs() > 1e-9));
-    let commands: Vec<ChartSeries> = commands
-        .enumerate()
-        .map(|(i, column)| {
+        .filter(|column| column.name.starts_with("command_") && column.values.iter().any(|v| v.abs() > 1e-9))
+        .collect();
+    let mut units: Vec<&str> = commands.iter().map(|column| column.unit.as_str()).collect();
+    units.dedup();
+    for (n, unit) in units.iter().enumerate().filter(|(n, unit)| !units[..*n].contains(unit)) {
+        let own = commands.iter().filter(|column| column.unit == *unit).enumerate();
+        let series = own.map(|(i, column)| {
             let name = column.name.trim_start_matches("command_").replace('_', " ");
             let points = along.0.iter().copied().zip(column.values.iter().copied()).collect();
-            ChartSeries::new(name, points, if i % 2 == 0 { Look::Line } else { Look::Dashed }, 2 + i)
-        })
-        .collect();
-    if !commands.is_empty() {
-        charts.push(chart("held commands", commands));
+            let look = if i % 2 == 0 { Look::Line } else { Look::Dashed };
+            ChartSeries::new(name, points, look, 2 + n + i)
+        });
+        let label = if unit.is_empty() { "held commands".into() } else { format!("held commands [{unit}]") };
+        charts.push(chart(&label, series.collect()));
     }
     Ok(grid("family", charts, 2, HEIGHT))
 }
@@ -231,7 +234,6 @@ pub fn family(record: &Record) -> Result<Figure, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wingbeat::simulate::Column;
 
     fn record(names: &[&str]) -> Record {
         let column = |(i, name): (usize, &&str)| {
@@ -261,6 +263,15 @@ mod tests {
             "command_twist_left",
         ];
         assert_eq!(family(&record(&orbits)).unwrap().name, "family");
+        let told = |unit: &str| {
+            let named = |column: &Column| match column.name.starts_with("command_") {
+                true => Column { unit: unit.into(), ..column.clone() },
+                false => column.clone(),
+            };
+            let columns = record(&orbits).columns().iter().map(named).collect();
+            family(&Record::new(columns, 0).unwrap()).unwrap().svg()
+        };
+        assert!(told("rad").contains("held commands [rad]") && !told("").contains("held commands ["));
         assert!(matches!(family(&record(&modes)), Err(Error::Column(_))));
     }
 }

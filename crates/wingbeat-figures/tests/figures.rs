@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use wingbeat::simulate::{Column, Record};
-use wingbeat_figures::{Error, Figure, FigureTargets, commands, forces, path, states, write};
+use wingbeat_figures::{Error, Figure, FigureTargets, commands, forces, forces_since, path, states, write};
 
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
 
@@ -194,4 +194,24 @@ fn all_forces_that_are_drawn_sum_to_zero() {
         }
     }
     assert!(forces(&record).unwrap().svg().contains("thrusters"));
+}
+
+/// Forces of a plan are those from its start on; a path of tenths of a second has its times to the millisecond, and does not tell an interval
+/// of the one robot that it shows.
+#[test]
+fn a_short_plan_is_drawn_by_itself() {
+    let rows: Vec<Vec<f64>> = (0..=1000).map(|k| row(1e-3 * f64::from(k))).collect();
+    let mut record = Record::new(columns(), rows.len()).unwrap();
+    rows.iter().for_each(|row| record.append(row));
+    let whole = forces(&record).unwrap().svg();
+    let plan = forces_since(&record, Some(0.9)).unwrap().svg();
+    assert!(
+        whole.contains("the last whole cycle") && !plan.contains("cycle") && plan.contains("time [s]"),
+        "{plan}"
+    );
+    assert!(plan.contains(">0.90<") && plan.contains(">0.92<") && plan.contains(">1.00<"), "{plan}");
+    let short = record.head(170);
+    let text = path(&short, None).unwrap().svg();
+    assert!(text.contains(">0.000 s<") && text.contains(">0.169 s<"), "{text}");
+    assert!(text.contains(", at the end<") && !text.contains("back from the end"), "{text}");
 }

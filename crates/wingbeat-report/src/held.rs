@@ -60,7 +60,7 @@ pub fn wing(
         add_outline(&mut surface, &seen);
     }
     if let Some(strips) = strips {
-        surface.strips = strips_of(strips, loads, shown).unwrap_or_default();
+        surface.strips = strips_of(strips, loads, shown, &tether.strip_weights()).unwrap_or_default();
         surface.place_strips();
         motion.circulation = match tether.aero.circulation() {
             Circulation::Bound => Some("circulation"),
@@ -86,8 +86,9 @@ fn heights(strips: &Record, rows: usize, count: usize) -> Option<[&[f64]; 2]> {
     Some([camber?, forward?]).filter(|[camber, _]| camber.len() == count * rows)
 }
 
-/// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`.
-fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<StripTrack>> {
+/// The strips of a record that has as many rows an instant as strips, of the instants of the `shown` rows of `loads`: those of which a share
+/// counts (`weights`), with that share of their loads.
+fn strips_of(strips: &Record, loads: &Record, shown: &[usize], weights: &[f64]) -> Option<Vec<StripTrack>> {
     let (t, number) = (strips.values("t")?, strips.values("strip")?);
     let all = loads.values("t")?;
     let most = number.iter().fold(0.0_f64, |most, n| most.max(*n));
@@ -101,10 +102,16 @@ fn strips_of(strips: &Record, loads: &Record, shown: &[usize]) -> Option<Vec<Str
         let of = |name: &str| crate::flight::axes(strips, &rows, name).ok();
         let circulation = ["circulation", "circulation_lag_sum"];
         let circulation = circulation.iter().find_map(|name| taken(strips, &rows, name).ok())?;
-        let (quarter_chord, force) = (of("quarter_chord")?, of("force")?);
-        Some(StripTrack { quarter_chord, force, circulation, ..StripTrack::default() })
+        let weighed = |name: &str| {
+            let scaled = |part: Vec<f64>| part.iter().map(|value| weights[k] * value).collect();
+            of(name).map(|track| track.map(scaled))
+        };
+        let (quarter_chord, force) = (of("quarter_chord")?, weighed("force")?);
+        let moment = weighed("moment").unwrap_or_default();
+        Some(StripTrack { quarter_chord, force, moment, circulation, ..StripTrack::default() })
     };
-    (0..count).map(strip).collect()
+    let counts = |k: &usize| weights[*k] > 0.0;
+    (weights.len() == count).then(|| (0..count).filter(counts).map(strip).collect())?
 }
 
 /// The robot on the arm in the `shown` rows of the record of `run`.

@@ -16,7 +16,8 @@ pub fn labelled(sweep: &Sweep) -> Vec<(&str, String)> {
 /// Maps over the first two draws.
 pub fn drawn(record: &Record, sweep: &Sweep) -> Result<Figure, wingbeat_figures::Error> {
     let keys = labelled(sweep);
-    wingbeat_figures::map(record, &keys, &MAPPED, sweep.spec.sampling == Sampling::Grid)
+    let whole = sweep.spec.sampling == Sampling::Grid;
+    wingbeat_figures::map(record, &keys, &MAPPED, (whole, &SweepCounts::usable_rows(record)))
 }
 
 /// `summary.json` of a sweep of a case.

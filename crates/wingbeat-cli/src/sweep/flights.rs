@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use wingbeat::scenario::{Hold, Sampling, Sweep};
+use wingbeat::scenario::{Hold, Sampling, Sweep, SweepCounts};
 use wingbeat::simulate::Record;
 use wingbeat_figures::Figure;
 
@@ -12,7 +12,12 @@ use crate::sweep::end_points::{self, EndPointGroup};
 
 /// The errors of the flights and what counts as held.
 pub fn drawn(record: &Record, hold: Hold) -> Result<Figure, wingbeat_figures::Error> {
-    wingbeat_figures::robustness(record, (hold.roll_within_deg, hold.pitch_within_deg))
+    let others = [
+        hold.height_within_m.map(|most| ("height_max_error", most, "height")),
+        hold.cross_rms_within_m.map(|most| ("cross_rms", most, "distance across the path")),
+    ];
+    let others: Vec<_> = others.into_iter().flatten().collect();
+    wingbeat_figures::robustness(record, (hold.roll_within_deg, hold.pitch_within_deg), &others)
 }
 
 /// Measures that are drawn over what a sweep varies, the first four that it has.
@@ -37,7 +42,8 @@ pub fn mapped(record: &Record, sweep: &Sweep) -> Option<Result<Figure, wingbeat_
         high - low > ALIKE * low.abs().max(high.abs()).max(1.0)
     };
     let measures: Vec<&str> = MAPPED.into_iter().filter(there).take(4).collect();
-    (!measures.is_empty()).then(|| wingbeat_figures::map(record, &keys, &measures, whole))
+    (!measures.is_empty())
+        .then(|| wingbeat_figures::map(record, &keys, &measures, (whole, &SweepCounts::usable_rows(record))))
 }
 
 /// `summary.json` of a sweep of flights.
@@ -45,8 +51,11 @@ pub fn mapped(record: &Record, sweep: &Sweep) -> Option<Result<Figure, wingbeat_
 pub struct FlightSweepSummary {
     flights: usize,
     held: usize,
-    share_held: f64,
-    /// Share held with 95 % confidence: Wilson 1927. None of a grid, which is no sample.
+    /// Flights of which one record or none is left to judge.
+    held_not_judged: usize,
+    /// None where one is not judged.
+    share_held: Option<f64>,
+    /// Share held with 95 % confidence: Wilson 1927. None of a grid and of flights that are all alike, which are no sample.
     share_held_low: Option<f64>,
     share_held_high: Option<f64>,
     /// Median, 90th percentile and largest, as all of three, over the completed flights that have the number: `counted` says how
@@ -80,7 +89,7 @@ pub struct FlightSweepSummary {
 }
 
 impl FlightSweepSummary {
-    pub fn new(record: &Record, hold: Hold, is_grid: bool, end_points: Vec<EndPointGroup>) -> Self {
+    pub fn new(record: &Record, hold: Hold, is_sample: bool, end_points: Vec<EndPointGroup>) -> Self {
         let values = |name: &str| record.values(name).unwrap_or_default();
         let count = |name: &str| values(name).iter().filter(|value| **value == 1.0).count();
         let of = |name: &str| {
@@ -88,7 +97,8 @@ impl FlightSweepSummary {
             rows.filter(|(value, done)| **done == 1.0 && value.is_finite()).map(|(value, _)| *value).collect()
         };
         let (held, flights) = (count("held"), record.rows());
-        let interval = (!is_grid).then(|| wilson(held, flights));
+        let not_judged = values("held").iter().filter(|held| held.is_nan()).count();
+        let interval = (is_sample && not_judged == 0).then(|| wilson(held, flights));
         let mut counted = BTreeMap::new();
         let mut quantiles = |name: &'static str| {
             let values: Vec<f64> = of(name);
@@ -103,7 +113,8 @@ impl FlightSweepSummary {
         Self {
             flights,
             held,
-            share_held: held as f64 / flights as f64,
+            held_not_judged: not_judged,
+            share_held: (not_judged == 0).then(|| held as f64 / flights as f64),
             share_held_low: interval.map(|(low, _)| low),
             share_held_high: interval.map(|(_, high)| high),
             roll_max_error_deg: roll,
@@ -135,17 +146,13 @@ impl FlightSweepSummary {
         let interval = interval.map_or(String::new(), |(low, high)| {
             format!(" (95 % confidence {:.1} to {:.1} %)", percent(low), percent(high))
         });
+        let share = match self.share_held {
+            Some(share) => format!("{:.1} %{interval}", percent(share)),
+            None => format!("{} not judged", self.held_not_judged),
+        };
         let mut text = format!(
-            "held {} of {} flights: {:.1} %{interval}\n\n{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
-            self.held,
-            self.flights,
-            percent(self.share_held),
-            "",
-            "flights",
-            "median",
-            "90 %",
-            "worst",
-            "limit",
+            "held {} of {} flights: {share}\n\n{:<24}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
+            self.held, self.flights, "", "flights", "median", "90 %", "worst", "limit",
         );
         let mut row = |name: &str, column: &str, of: Quantiles, limit: f64, unit: &str, digits: usize| {
             let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.digits$}"));

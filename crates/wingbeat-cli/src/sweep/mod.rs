@@ -167,9 +167,9 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdic
     };
     let table = match sweep.of {
         SweepOf::Flights(hold) => {
-            let is_grid = sweep.spec.sampling == Sampling::Grid;
+            let is_sample = sweep.spec.sampling != Sampling::Grid && !sweep.all_alike(record);
             let ends = end_points::table(record, sweep);
-            let own = flights::FlightSweepSummary::new(record, hold, is_grid, ends);
+            let own = flights::FlightSweepSummary::new(record, hold, is_sample, ends);
             folder.write_json("summary.json", &SweepSummary { shared, own: &own })?;
             own.table()
         }

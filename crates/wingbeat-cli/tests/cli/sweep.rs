@@ -336,3 +336,53 @@ fn draws_at_random_of_which_none_does_anything_are_told() {
         found["warnings"].as_array().unwrap().iter().filter(|warning| warning["id"] == "sweep.unheard");
     assert_eq!(told.map(|warning| &warning["key"]).collect::<Vec<_>>(), ["draws[0].key", "draws[1].key"]);
 }
+
+/// A sweep of the banking turn, whose means are from `settle` on in a flight of `duration`, s.
+fn windows(folder: &Path, draw: &str, duration: f64, settle: f64) {
+    let scenario = root().join("scenarios/banking_turn.toml");
+    let text = format!(
+        "name = \"small\"\nscenario = {scenario:?}\nruns = 3\nset = [\"flight.duration_s={duration}\", \"goal.settle_s={settle}\"]\n\
+         [hold]\nroll_within_deg = 10.0\npitch_within_deg = 15.0\n[[draws]]\nkey = \"mismatch.mass\"\n{draw}\n"
+    );
+    fs::write(folder.join("small.toml"), text).unwrap();
+}
+
+#[test]
+fn flights_that_are_all_alike_have_no_confidence_interval() {
+    let folder = scratch("sweep-alike");
+    for (out, draw, alike) in [("a", "values = [1.0]", true), ("b", "low = 0.95\nhigh = 1.05", false)] {
+        windows(&folder, draw, 0.3, 0.0);
+        let output = sweep(&folder, out);
+        let told = String::from_utf8(output.stdout).unwrap();
+        let found = summary(&folder, out);
+        assert_eq!((&found["held"], &found["share_held"]), (&3.into(), &1.0.into()), "{found}");
+        assert_eq!(found["share_held_low"].is_null(), alike, "{found}");
+        assert_eq!(found["share_held_high"].is_null(), alike, "{found}");
+        assert_eq!(told.contains("95 % confidence"), !alike, "{told}");
+        assert_eq!(told.contains("all 3 flights agree to the last digit and count as one"), alike, "{told}");
+        let warned = found["warnings"].as_array().unwrap();
+        assert_eq!(warned.iter().any(|warning| warning["id"] == "sweep.alike"), alike, "{found}");
+    }
+}
+
+#[test]
+fn a_window_of_one_record_or_none_is_not_held() {
+    let folder = scratch("sweep-window");
+    for (out, settle, resolved) in [("one", 0.3, false), ("none", 0.4, false), ("some", 0.1, true)] {
+        windows(&folder, "low = 0.95\nhigh = 1.05", 0.3, settle);
+        let output = sweep(&folder, out);
+        assert_eq!(output.status.code(), Some(if resolved { 0 } else { 3 }), "{out}: {output:?}");
+        let found = summary(&folder, out);
+        let missing = if resolved { 0 } else { 3 };
+        assert_eq!(
+            (&found["held"], &found["held_not_judged"]),
+            (&(3 - missing).into(), &missing.into()),
+            "{found}"
+        );
+        assert_eq!(found["share_held"].is_null(), !resolved, "{found}");
+        assert_eq!(found["status"] == "not_resolved", !resolved, "{found}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(said.contains("one record or none is left"), !resolved, "{said}");
+        assert_eq!(flights(&folder, out).lines().nth(1).unwrap().split(',').nth(2) == Some("NaN"), !resolved);
+    }
+}

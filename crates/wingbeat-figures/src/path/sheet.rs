@@ -14,6 +14,11 @@ const GRID: &str = "#e4e4e4";
 /// Colour of the track's shadow.
 const SHADOW: &str = "#bdbdbd";
 
+/// From the end of a path to the words beside it, px.
+const SIDE: f64 = 30.0;
+/// How near the ends of a path are whose words would meet them, across and down, px.
+const NEAR: (f64, f64) = (90.0, 24.0);
+
 /// The drawing and its scale.
 pub struct PathSheet {
     pub scene: Canvas,
@@ -144,10 +149,19 @@ impl PathSheet {
     }
 
     pub fn ends(&mut self, track: &[WorldPoint], t: &[f64]) {
-        for (point, time) in [(track[0], t[0]), (track[track.len() - 1], t[t.len() - 1])] {
-            let (x, y) = self.at(point);
-            self.scene.elements.push(style::disc((x, y), 3.6, style::INK));
-            self.text((x - 30.0, y + 5.0), format!("{time:.1} s"), TextAnchor::End, style::TICKS);
+        let [start, end] = [track[0], track[track.len() - 1]];
+        let (a, b) = (self.at(start), self.at(end));
+        // Where the ends lie so near that the words of one would lie over the other, each has them on its own side.
+        let near = (a.0 - b.0).abs() < NEAR.0 && (a.1 - b.1).abs() < NEAR.1;
+        let span = t[t.len() - 1] - t[0];
+        let decimals = if span < 1.0 { 3 } else { 1 };
+        for (here, there, time) in [(a, b, t[0]), (b, a, t[t.len() - 1])] {
+            self.scene.elements.push(style::disc(here, 3.6, style::INK));
+            let right = near && here.0 > there.0;
+            let (x, anchor) =
+                if right { (here.0 + 10.0, TextAnchor::Start) } else { (here.0 - SIDE, TextAnchor::End) };
+            let x = if near && !right { here.0 - 10.0 } else { x };
+            self.text((x, here.1 + 5.0), format!("{time:.decimals$} s"), anchor, style::TICKS);
         }
     }
 
@@ -203,6 +217,7 @@ impl PathSheet {
                 enlarged => format!("robot enlarged {enlarged:.0} times about its body"),
             };
             let text = match every {
+                _ if birds.len() == 1 => format!("{size}, at the end"),
                 Some(interval) => format!("{size}, every {interval:.2} s back from the end"),
                 None => format!("{size}, back from the end where there is room"),
             };

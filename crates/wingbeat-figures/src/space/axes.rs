@@ -17,10 +17,26 @@ const NAME: f64 = 42.0;
 /// Width of a letter, px.
 const LETTER: f64 = 8.0;
 
+/// From number to number below it, px.
+const HIGH: f64 = 15.0;
+
 /// 1, 2 or 5 times a power of ten, not below `least` by more than a quarter.
 pub(crate) fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * power >= 0.75 * least).unwrap_or(10.0) * power
+}
+
+/// By what vector, px, the second of two numbers on a short axis moves on along it, and the first back, so that they do not meet.
+fn meeting([(one, first), (other, second)]: [((f64, f64), String); 2]) -> (f64, f64) {
+    let (along, down) = (other.0 - one.0, other.1 - one.1);
+    let wide = LETTER * first.chars().count().max(second.chars().count()) as f64 + 0.5 * LETTER;
+    // As far as the nearer of both ways apart: beside or below one another.
+    let short = |part: f64, least: f64| if part == 0.0 { f64::INFINITY } else { least / part.abs() };
+    let times = short(along, wide).min(short(down, HIGH));
+    if !times.is_finite() || times <= 1.0 {
+        return (0.0, 0.0);
+    }
+    (0.5 * (times - 1.0) * along, 0.5 * (times - 1.0) * down)
 }
 
 impl Space {
@@ -136,7 +152,18 @@ impl Space {
             _ => TextAnchor::Middle,
         };
         let scale = TickScale::new(self.bounds.low[axis], self.bounds.high[axis]);
-        for tick in ticks {
+        let on_axis = |tick: f64| {
+            let mut point = chosen[0];
+            point[axis] = tick;
+            self.at(point)
+        };
+        let spread = match *ticks {
+            [first, second] => {
+                meeting([(on_axis(first), scale.number(first)), (on_axis(second), scale.number(second))])
+            }
+            _ => (0.0, 0.0),
+        };
+        for (index, tick) in ticks.iter().enumerate() {
             let mut point = chosen[0];
             point[axis] = *tick;
             let place = self.at(point);
@@ -146,7 +173,10 @@ impl Space {
             // A number that would begin left of the pane begins there.
             let begins = place.0 + NUMBERS * out.0 - LETTER * number.chars().count() as f64;
             let before = if anchor == TextAnchor::End { (self.pane.x - begins).max(0.0) } else { 0.0 };
-            self.label(point, (NUMBERS * out.0 + before, NUMBERS * out.1 + 4.5), &number, anchor);
+            let aside = if index == 0 { -1.0 } else { 1.0 };
+            let shift =
+                (NUMBERS * out.0 + before + aside * spread.0, NUMBERS * out.1 + 4.5 + aside * spread.1);
+            self.label(point, shift, &number, anchor);
         }
         // An upright axis has its name above its upper end.
         if upright {
@@ -180,5 +210,21 @@ impl Space {
     /// A round length, m, of which the bar takes about a fifth of the pane's width.
     pub fn round_length(&self) -> f64 {
         round_step(0.2 * self.pane.width / self.scale.max(1e-9))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_numbers_that_would_meet_move_apart_along_their_axis() {
+        let number = |at: (f64, f64), text: &str| (at, text.to_owned());
+        let (x, y) = meeting([number((0.0, 0.0), "−1"), number((16.0, -9.0), "1")]);
+        assert!(x > 0.0 && (x * -9.0 - y * 16.0).abs() < 1e-9, "{x} {y}");
+        let (along, down) = (16.0 + 2.0 * x, 9.0 - 2.0 * y);
+        assert!(along >= 2.5 * LETTER - 1e-9 || down >= HIGH - 1e-9, "{along} {down}");
+        assert_eq!(meeting([number((0.0, 0.0), "−1"), number((40.0, 0.0), "1")]), (0.0, 0.0));
+        assert_eq!(meeting([number((0.0, 0.0), "−1"), number((0.0, 0.0), "1")]), (0.0, 0.0));
     }
 }

@@ -20,6 +20,9 @@ const NOTE: f64 = 20.0;
 /// Room below the pictures for the scale, px.
 const FOOT: f64 = 60.0;
 
+/// Least distance of the numbers of the axis across and of that up, px.
+const APART: (f64, f64) = (36.0, 14.0);
+
 /// What crosses a plane at an instant; y to the left and z up, m.
 #[derive(Clone, Debug, Default)]
 pub struct PlaneCut {
@@ -121,6 +124,11 @@ fn field(cut: &PlaneCut, [low, high]: [f64; 2], cell: f64, rows: usize, spread: 
     (0..rows * CELLS).map(at).collect()
 }
 
+/// How many steps of `size` px lie from a number to the next that do not meet: `least` px or more, in steps that stay round.
+fn stride(size: f64, least: f64) -> f64 {
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|steps| steps * size >= least).unwrap_or(100.0)
+}
+
 fn frame(
     paper: &mut Paper,
     at: &impl Fn(f64, f64) -> (f64, f64),
@@ -137,8 +145,14 @@ fn frame(
     paper.text((x + 4.0, y - 10.0), &format!("{title}; {upwards}"), TextAnchor::Start);
     for (range, sideways) in [(across, true), (up, false)] {
         let scale = TickScale::new(range.0, range.1);
-        let (first, last) = ((range.0 / scale.step).ceil() as i64, (range.1 / scale.step).floor() as i64);
-        for value in (first..=last).map(|k| k as f64 * scale.step) {
+        let per_step = if sideways {
+            at(0.0, 0.0).0 - at(scale.step, 0.0).0
+        } else {
+            at(0.0, 0.0).1 - at(0.0, scale.step).1
+        };
+        let step = scale.step * stride(per_step.abs(), if sideways { APART.0 } else { APART.1 });
+        let (first, last) = ((range.0 / step).ceil() as i64, (range.1 / step).floor() as i64);
+        for value in (first..=last).map(|k| k as f64 * step) {
             let (x, y) = if sideways { at(value, up.0) } else { at(across.1, value) };
             let (tick, place, anchor) = if sideways {
                 ((x, y - 5.0), (x, y + 16.0), TextAnchor::Middle)
@@ -170,6 +184,16 @@ mod tests {
         assert!((sum - 0.2).abs() < 1e-9, "{sum}");
         assert_eq!(frontal_planes(&[cut], &[], spread).unwrap().name, "frontal_planes");
         assert!(frontal_planes(&[PlaneCut::default()], &[], spread).is_err());
+    }
+
+    /// Numbers up the axis of a flat wing lie apart, and are more than one.
+    #[test]
+    fn numbers_of_a_flat_plane_do_not_meet() {
+        let vortices = vec![([2.0, 0.05], 0.3), ([-2.0, -0.05], -0.3)];
+        let text = frontal_planes(&[PlaneCut { vortices, ..PlaneCut::default() }], &[], 0.1).unwrap().svg();
+        assert!([">0.2<", ">−0.2<"].iter().all(|number| text.contains(number)), "{text}");
+        assert!([">0.1<", ">0.3<", ">−0.1<"].iter().all(|number| !text.contains(number)), "{text}");
+        assert_eq!((stride(7.6, 14.0), stride(40.0, 14.0), stride(1.0, 14.0)), (2.0, 1.0, 20.0));
     }
 
     #[test]

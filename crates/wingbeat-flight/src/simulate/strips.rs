@@ -16,6 +16,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// | `circulation` or `circulation_lag_sum` | m2/s | see [`Circulation`](wingbeat_aero::Circulation) |
 /// | `wash`, `incidence` | m/s, rad | along the normal at 3/4 chord; wash included |
 /// | `force_*` | N | sum over the sources, then by [`LoadSource::STRIP`], in B |
+/// | `moment_*` | N m | about the point at 1/4 chord, in B |
 /// | `width` | m | along the arc |
 /// | `quarter_chord_*` | m | point at 1/4 chord of the control section, from the origin of B, in B |
 /// | `surface` | - | number of the surface, in the robot's order |
@@ -118,6 +119,8 @@ impl StripRecorder {
             row.extend([loads.circulation[i], loads.wash[i], loads.incidence[i]]);
             row.extend((to_body * strip.total().force).0);
             row.extend(strip.parts().iter().flat_map(|part| (to_body * part.force).0));
+            let about_point = strip.total().moment - loads.quarter_chord[i].cross(strip.total().force);
+            row.extend((to_body * about_point).0);
             row.push(width);
             row.extend((to_body * (loads.quarter_chord[i] - origin)).0);
             row.extend([surface, loads.separated[i], loads.suction_lost[i]]);
@@ -154,6 +157,7 @@ fn columns(circulation: Circulation, phase_unit: &str) -> Vec<Column> {
     for source in LoadSource::STRIP {
         columns.extend(AXES.map(|a| Column::new(format!("force_{}_{a}", source.name()), "N", "B")));
     }
+    columns.extend(AXES.map(|a| Column::new(format!("moment_{a}"), "N m", "B")));
     columns.push(Column::new("width", "m", ""));
     columns.extend(AXES.map(|a| Column::new(format!("quarter_chord_{a}"), "m", "B")));
     columns.extend(["surface", "separated", "suction_lost"].map(|name| Column::new(name, "", "")));

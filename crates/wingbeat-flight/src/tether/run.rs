@@ -214,8 +214,8 @@ impl Tether {
         Self { clock: Clock { steps_per_cycle, ..self.clock }, ..self.clone() }
     }
 
-    /// What share of the loads of each strip counts: a half alone has a mirror plane at its root.
-    pub(super) fn strip_weights(&self) -> Vec<f64> {
+    /// What share (dimensionless) of the loads of each strip counts, from the left tip: a half alone has a mirror plane at its root.
+    pub fn strip_weights(&self) -> Vec<f64> {
         let weight = |arc: &f64| match self.side {
             Side::Both => 1.0,
             _ if *arc == 0.0 => 0.5,

@@ -21,6 +21,9 @@ pub const UNJUDGED: JudgedLimit = JudgedLimit::warn_above("sweep.unjudged_fracti
 /// Where none can be used, tables and figures are of what their own verdicts refuse.
 pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
+/// The largest error of a window with one record or none is no largest error: that of two or more is.
+pub const WINDOWLESS: JudgedLimit = JudgedLimit::at_most("sweep.windowless_fraction", 0.0, "", NotResolved)
+    .on("nothing says whether flights hold of which one record or none is left after goal.settle_s (lengthen flight.duration_s): share of the flights");
 /// How many flights hold is what a sweep is there to find, so only a document gives the limit.
 pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", f64::NEG_INFINITY, "", OffTarget)
     .on("share of the flights that are held");
@@ -30,4 +33,5 @@ pub const MISSED: JudgedLimit = JudgedLimit::at_most("sweep.search_missed_goals"
     .on("goals of a search that its best candidate misses, over all its flights, and flights that their own verdict refuses");
 
 /// All of them.
-pub const ALL: [JudgedLimit; 8] = [COMPLETED, FAILED, USABLE, WARNED, UNJUDGED, SOME, HELD, MISSED];
+pub const ALL: [JudgedLimit; 9] =
+    [COMPLETED, FAILED, USABLE, WARNED, UNJUDGED, SOME, WINDOWLESS, HELD, MISSED];

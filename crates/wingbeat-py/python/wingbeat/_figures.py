@@ -20,6 +20,7 @@ AXES = ("C3", "C2", "C0")
 FLIGHT = ("roll", "roll_reference", "pitch", "pitch_reference", "yaw", "p_WB_x", "p_WB_y", "p_WB_z")
 # What a tethered wing shows.
 TETHER = ("force_wind_lift", "force_wind_drag", "power")
+MARKS = ("o", "s", "^", "x")
 DASHES = ("-", "--", "-.", ":")
 
 
@@ -45,6 +46,8 @@ def columns(record: Record, names: str | Sequence[str] | None, against: str | No
     if against is None:
         against = next((name for name in ("t", "phase") if name in record), next(iter(record)))
     drawn = chosen(record, names)
+    # Runs that do not rise in what they are drawn over are no curve: those of a grid, or of draws.
+    ordered = "run" not in record or bool(np.all(np.diff(record[against]) > 0.0))
     panel_of = {column.name: (column.unit, column.name.startswith("command_")) for column in drawn}
     kinds = list(dict.fromkeys(panel_of.values()))
     unit_of = {column.name: column.unit for column in record.columns}
@@ -55,7 +58,11 @@ def columns(record: Record, names: str | Sequence[str] | None, against: str | No
         own = [column for column in drawn if panel_of[column.name] == kind]
         for number, column in enumerate(own):
             style = {"color": f"C{number % 10}", "linestyle": DASHES[number // 10 % len(DASHES)]}
-            panel.plot(record[against], scale * record[column.name], label=column.name, linewidth=1.2, **style)
+            if ordered:
+                panel.plot(record[against], scale * record[column.name], label=column.name, linewidth=1.2, **style)
+            else:
+                mark = {"color": style["color"], "linestyle": "", "marker": MARKS[number // 10 % len(MARKS)]}
+                panel.plot(record[against], scale * record[column.name], label=column.name, markersize=4.0, **mark)
         for limit in sorted({limit for c in own for limit in (c.low, c.high) if np.isfinite(limit)}):
             panel.axhline(scale * limit, color="0.6", linewidth=0.8, linestyle=(0, (4, 3)))
         panel.set_ylabel(f"[{shown}]" if shown else "[-]")

@@ -102,7 +102,8 @@ class Record(Mapping[str, Array]):
         return table
 
     def plot(self, names: str | Sequence[str] | None = None, *, against: str | None = None) -> Figure:
-        """Columns over time, or over the runs of a sweep, one panel per unit, limits dashed. Where none is named: of a flight attitude,
+        """Columns over time, or over the runs of a sweep, one panel per unit, limits dashed; joined by lines where what they are drawn over
+        rises from run to run, else marks. Where none is named: of a flight attitude,
         position and commands, of a tethered wing lift, drag, power and hinges.
         """
         from wingbeat._figures import columns

@@ -465,6 +465,15 @@ def test_strips_are_an_array_of_time_strip_and_component(turn):
     assert np.array_equal(strips["strip"][3], np.arange(16))
 
 
+def test_runs_of_a_grid_are_marks_and_rising_ones_a_line():
+    columns = {"run": [0.0, 1.0, 2.0, 3.0], "speed": [1.0, 2.0, 1.0, 2.0], "mean_lift": [1.0, 2.0, 3.0, 4.0]}
+    grid = wingbeat.Record([(name, "", "", -np.inf, np.inf, np.array(values)) for name, values in columns.items()])
+    (line,) = grid.plot("mean_lift", against="speed").axes[0].lines
+    assert (line.get_linestyle(), line.get_marker()) == ("None", "o")
+    (line,) = grid.plot("mean_lift", against="run").axes[0].lines
+    assert (line.get_linestyle(), line.get_marker()) == ("-", "None")
+
+
 def test_figures_need_no_display(turn, tmp_path):
     flight = wingbeat.fly(turn, SHORT)
     figure = flight.plot()

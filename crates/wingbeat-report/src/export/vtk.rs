@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::motion::{RunMotion, at};
 
 /// Frame `i` as legacy VTK: wings as quadrilaterals with their side, bent and cambered as they are, strips as points at 1/4 chord with force (N, in W), moment
-/// about that point (N m, in W; of flights) and circulation (m2/s).
+/// about that point (N m, in W) and circulation (m2/s).
 pub fn vtk(motion: &RunMotion, i: usize) -> String {
     let (mut points, mut quads) = (Vec::new(), Vec::new());
     let (mut forces, mut moments) = (Vec::new(), Vec::new());
@@ -81,7 +81,61 @@ mod tests {
     use std::ops::ControlFlow;
     use std::path::Path;
     use wingbeat::math::Vec3;
-    use wingbeat::scenario::Scenario;
+    use wingbeat::scenario::{Scenario, TetherCase};
+
+    /// Force of frame `i` as its file has it, its moment about the origin of the body, and the largest moment of a strip about its own point.
+    fn summed(motion: &RunMotion, i: usize) -> ([Vec3; 2], f64) {
+        let text = vtk(motion, i);
+        let block = |head: &str| -> Vec<Vec3> {
+            let lines = text.lines().skip_while(|line| !line.starts_with(head)).skip(1);
+            let numbers = |line: &str| line.split(' ').map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
+            lines.map_while(|line| Some(Vec3(numbers(line)?.try_into().ok()?))).collect()
+        };
+        let [points, forces, moments] = ["POINTS", "VECTORS force_N", "VECTORS moment_N_m"].map(block);
+        assert!(points.len() == forces.len() && points.len() == moments.len());
+        let origin = at(&motion.position, i);
+        let mut sum = [Vec3::ZERO; 2];
+        for ((point, force), moment) in points.iter().zip(&forces).zip(&moments) {
+            sum = [sum[0] + *force, sum[1] + (*point - origin).cross(*force) + *moment];
+        }
+        (sum, moments.iter().map(|moment| moment.norm()).fold(0.0, f64::max))
+    }
+
+    /// Of a half wing its own half alone counts, of the paper's strips the middle one with half of its load.
+    #[test]
+    fn strips_of_a_tethered_wing_sum_to_its_loads() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/step.toml");
+        let none = |_: &Path| Err(String::new());
+        let steps = ["time.cycles=1", "time.steps_per_cycle=20", "body.heave_m={fourier={cos=[0.1]}}"]
+            .map(String::from);
+        let sides = ["both", "left", "right"].map(|side| format!("wing.side=\"{side}\""));
+        for (side, preset) in sides.iter().flat_map(|side| ["full", "paper"].map(|preset| (side, preset))) {
+            let set = [&steps[..], &[side.clone(), format!("aero.preset=\"{preset}\"")]].concat();
+            let case = TetherCase::load(&path, &set, &none).unwrap();
+            let run = case.tether.run(|_| ControlFlow::Continue(()));
+            let rows: Vec<usize> = (0..run.loads.rows()).collect();
+            let motion = crate::held::wing(&case, &run.loads, Some(&run.strips), &rows).unwrap();
+            let row = |name: &str, i: usize| {
+                motion.turned(
+                    i,
+                    Vec3(["x", "y", "z"].map(|a| run.loads.values(&format!("{name}_{a}")).unwrap()[i])),
+                )
+            };
+            for i in [3, 11] {
+                let ([force, moment], couples) = summed(&motion, i);
+                let whole = [row("force", i), row("moment", i)];
+                assert!(
+                    (force - whole[0]).norm() < 1e-9 * whole[0].norm(),
+                    "{side} {preset}: {force:?} {whole:?}"
+                );
+                assert!(
+                    (moment - whole[1]).norm() < 1e-9 * whole[0].norm(),
+                    "{side} {preset}: {moment:?} {whole:?}"
+                );
+                assert!(couples > 1e-6 && whole[0].norm() > 1e-3, "{couples} {whole:?}");
+            }
+        }
+    }
 
     /// Forces and moments of the strips about their points are, about the origin of the body, those of the record by source.
     #[test]
@@ -92,19 +146,7 @@ mod tests {
         let rows = crate::flight::shown(&record);
         let motion = crate::flight::motion(&scenario, &record, &rows).unwrap();
         let i = rows.len() / 2;
-        let text = vtk(&motion, i);
-        let block = |head: &str| -> Vec<Vec3> {
-            let lines = text.lines().skip_while(|line| !line.starts_with(head)).skip(1);
-            let numbers = |line: &str| line.split(' ').map(str::parse).collect::<Result<Vec<f64>, _>>().ok();
-            lines.map_while(|line| Some(Vec3(numbers(line)?.try_into().ok()?))).collect()
-        };
-        let [points, forces, moments] = ["POINTS", "VECTORS force_N", "VECTORS moment_N_m"].map(block);
-        assert!(points.len() == forces.len() && points.len() == moments.len());
-        let origin = at(&motion.position, i);
-        let mut sum = Vec3::ZERO;
-        for ((point, force), moment) in points.iter().zip(&forces).zip(&moments) {
-            sum = sum + (*point - origin).cross(*force) + *moment;
-        }
+        let (sum, couples) = summed(&motion, i);
         let of = |source: &str| {
             motion.turned(
                 i,
@@ -116,8 +158,7 @@ mod tests {
         };
         let sources = ["circulatory", "induced_drag", "added_mass", "profile_drag"].map(of);
         let whole = sources.into_iter().fold(Vec3::ZERO, |sum, moment| sum + moment);
-        assert!((sum - whole).norm() < 1e-9 * whole.norm() && whole.norm() > 1e-4, "{sum:?} {whole:?}");
-        let couples = moments.iter().map(|moment| moment.norm()).fold(0.0, f64::max);
+        assert!((sum[1] - whole).norm() < 1e-9 * whole.norm() && whole.norm() > 1e-4, "{sum:?} {whole:?}");
         assert!(couples > 1e-6, "the largest couple is {couples} N m");
     }
 }

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use wingbeat::guide::Told as Known;
 use wingbeat::math::{Quat, Vec3};
 use wingbeat::plant::{Plant, Role};
-use wingbeat::scenario::{Document, Scenario};
-use wingbeat::simulate::{Controller, Estimator, Measurement, Reading, SensorSpec, Stepper, Update};
+use wingbeat::scenario::{Document, Scenario, ShownSample};
+use wingbeat::simulate::{Controller, Estimator, Measurement, Reading, Record, SensorSpec, Stepper, Update};
 
 const LEVEL: &str = "controller.orbit.legs=[]";
 const PERIOD: f64 = 0.0075;
@@ -402,4 +402,24 @@ fn the_record_has_what_a_controller_was_told_of_the_states_that_have_noise() {
     let late = fly(&["sensors.delay_updates=1", "flight.duration_s=0.3"]);
     let column = |name: &str| late.record.values(name).unwrap();
     assert!((3..120).all(|k| column("reading_v_WB_W_x")[k] == column("v_WB_W_x")[k / 3 * 3 - 3]));
+}
+
+/// The record that a page shows while a flight goes on has the readings of the record that it ends with.
+#[test]
+fn a_watched_flight_has_the_readings_of_its_record() {
+    let flown = scenario(&[LEVEL, "flight.duration_s=0.1"]);
+    let mut watched = flown.watched().unwrap();
+    let run = flown
+        .fly(|sample| {
+            watched.add(&ShownSample::of(sample)).unwrap();
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    let names = |record: &Record| -> Vec<String> {
+        let all = record.columns().iter().map(|column| column.name.clone());
+        all.filter(|name| name.starts_with("reading_")).collect()
+    };
+    let read = names(&run.record);
+    assert!(read.len() > 6 && names(watched.record()) == read, "{read:?}");
+    assert!(read.iter().all(|name| watched.record().values(name) == run.record.values(name)));
 }

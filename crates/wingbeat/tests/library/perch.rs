@@ -172,7 +172,7 @@ fn a_catch_through_the_perch_is_not_held() {
     let through = bar("[0.0, 0.053, 0.0]", "[0.0, 0.0, 1.0]", "[0.0, 0.3, 0.1]");
     for (summary, held) in [(&clear, true), (&through, false)] {
         assert!(summary.perch.as_ref().unwrap().caught, "{:?}", summary.perch);
-        assert_eq!(hold.met(summary), held, "{:?} {:?}", summary.status, summary.perch);
+        assert_eq!(hold.met(summary), Some(held), "{:?} {:?}", summary.status, summary.perch);
     }
     assert_eq!(through.status, Status::Outside, "{:?}", through.reason);
     assert!(clear.turn_roll_mean_deg.is_none());
