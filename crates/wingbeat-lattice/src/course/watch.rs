@@ -62,6 +62,16 @@ pub struct CourseWatch<'a> {
     largest: f64,
 }
 
+#[inline(never)]
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[inline(never)]
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+}
+
 fn columns(with_loads: bool) -> Vec<Column> {
     let mut columns = vec![Column::new("t", "s", ""), Column::new("phase", "cycles", "")];
     for way in ["joukowski", "bernoulli", "suction"].into_iter().filter(|_| with_loads) {
@@ -194,6 +204,12 @@ impl<'a> CourseWatch<'a> {
         Some(self.course.stroke.means(values)[stroke]).filter(|_| values.iter().any(|value| *value != 0.0))
     }
 
+    /// The same over the last cycle but one.
+    fn cycle_before(&self, name: &str) -> Option<&[f64]> {
+        let (last, steps) = (self.course.clock.first_of_last(), self.course.clock.steps);
+        self.record.values(name)?.get(last.checked_sub(steps)?..last)
+    }
+
     /// A column of the record over the last cycle; none before all of it has been stepped.
     fn last_cycle(&self, name: &str) -> Option<&[f64]> {
         let (first, steps) = (self.course.clock.first_of_last(), self.course.clock.steps);
@@ -249,16 +265,13 @@ impl<'a> CourseWatch<'a> {
     /// Change of the mean force by Joukowski from the last cycle but one to the last, over its root mean square in the last, dimensionless; none of a flight,
     /// whose cycles differ, of a motion that does not repeat, of a single cycle, or of forces that are rounding.
     pub fn cycle_change(&self) -> Option<f64> {
-        let clock = self.course.clock;
-        let before = clock.first_of_last().checked_sub(clock.steps)?;
         self.course.moved.filter(|moved| moved.is_still || moved.repeated.is_some())?;
         let (mut change, mut all) = (0.0, 0.0);
         for axis in ["x", "y", "z"] {
-            let values = self.record.values(&format!("joukowski_force_{axis}"))?;
-            let (earlier, last) = values.get(before..clock.total())?.split_at(clock.steps);
-            let apart = last.iter().zip(earlier).map(|(last, earlier)| last - earlier).sum::<f64>();
-            change += (apart / clock.steps as f64).powi(2);
-            all += last.iter().map(|force| force * force).sum::<f64>() / clock.steps as f64;
+            let name = format!("joukowski_force_{axis}");
+            let [last, earlier] = [self.last_cycle(&name)?, self.cycle_before(&name)?];
+            change += (mean(last) - mean(earlier)).powi(2);
+            all += mean_square(last);
         }
         (all > self.no_force().powi(2)).then(|| (change / all).sqrt())
     }
