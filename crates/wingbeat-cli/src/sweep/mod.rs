@@ -181,7 +181,8 @@ fn summary(folder: &RunFolder, sweep: &Sweep, record: &Record) -> Result<(Verdic
     };
     let noun = noun(sweep);
     let mut text = format!("{} of {} {noun} completed: {}\n", counts.completed, counts.runs, counts.words());
-    text += &format!("status: {}\n\n{table}", verdict.status);
+    let why = verdict.why_not_judged().map_or(String::new(), |reason| format!("; {reason}"));
+    text += &format!("status: {}{why}\n\n{table}", verdict.status);
     text += &overridden(&verdict.judged);
     text.extend(verdict.warnings.iter().map(|warning| format!("\n{warning}\n")));
     Ok((verdict, text))

@@ -1,7 +1,7 @@
 //! Limits of a sweep. All values are choices.
 
 use super::JudgedLimit;
-use crate::status::Status::{NotFound, NotResolved, OffTarget};
+use crate::status::Status::{NotFound, NotJudged, NotResolved, OffTarget};
 
 /// Of fewer runs the shares and quantiles say little of the whole.
 pub const COMPLETED: JudgedLimit = JudgedLimit::at_least("sweep.completed_fraction", 0.5, "", NotResolved)
@@ -22,7 +22,7 @@ pub const UNJUDGED: JudgedLimit = JudgedLimit::warn_above("sweep.unjudged_fracti
 pub const SOME: JudgedLimit = JudgedLimit::at_least("sweep.usable_runs", 1.0, "", NotResolved)
     .on("number of the completed runs that their own verdict lets be used");
 /// The largest error of a window with one record or none is no largest error: that of two or more is.
-pub const WINDOWLESS: JudgedLimit = JudgedLimit::at_most("sweep.windowless_fraction", 0.0, "", NotResolved)
+pub const WINDOWLESS: JudgedLimit = JudgedLimit::at_most("sweep.windowless_fraction", 0.0, "", NotJudged)
     .on("nothing says whether flights hold of which one record or none is left after goal.settle_s (lengthen flight.duration_s): share of the flights");
 /// How many flights hold is what a sweep is there to find, so only a document gives the limit.
 pub const HELD: JudgedLimit = JudgedLimit::at_least("sweep.held_fraction", f64::NEG_INFINITY, "", OffTarget)

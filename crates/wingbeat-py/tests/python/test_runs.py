@@ -194,7 +194,7 @@ def test_numbers_of_numpy_are_taken(turn):
 def test_a_wake_is_the_programs_wake(program, tmp_path):
     small = ("--quiet", "--prescribed", "--chordwise", "2", "--spanwise", "8")
     case = ROOT / "cases/flap_f1.toml"
-    sets = {"time.cycles": 2}
+    sets = {"time.cycles": 3}
     done = program("wake", case, *small, "--steps", "16", "--out", tmp_path / "case", *sets_of(sets))
     assert done.returncode == 0, done.stderr
     asked = {"prescribed": True, "chordwise": 2, "spanwise": 8}
