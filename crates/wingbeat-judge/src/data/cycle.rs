@@ -446,6 +446,9 @@ fn without_order(series: &Series, one: &SplitChannel, all: &[SplitChannel]) -> O
     if !repeats || order >= SIGNAL.value || part.white < EXPLAINS * part.total {
         return None;
     }
+    if twice_a_cycle(&one.at) {
+        return None;
+    }
     let same = others().filter(|other| other.channel.unit == channel.unit);
     let mut noise: Vec<f64> = same.map(|other| other.part.white).collect();
     let noisier = !noise.is_empty() && part.white > NOISIER * NOISIER * median(&mut noise);
@@ -468,6 +471,20 @@ fn without_order(series: &Series, one: &SplitChannel, all: &[SplitChannel]) -> O
     (noisier || bounded).then(|| {
         Finding::new("data.noise", &SIGNAL, series.about(channel.name), order, text).in_channel(channel.name)
     })
+}
+
+/// Whether two harmonics explain a channel: a load at twice the frequency of the cycle has so few samples a period at a low rate that it
+/// changes from sample to sample as noise does.
+fn twice_a_cycle(at: &Condensed) -> bool {
+    let values = &at.values;
+    let Some(cycle) = Harmonics::fitted(1.0, &at.phase, values, 2).filter(|_| values.len() > FEW) else {
+        return false;
+    };
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let (left, all) = at.phase.iter().zip(values).fold((0.0, 0.0), |(left, all), (phase, x)| {
+        (left + (x - cycle.at(*phase)).powi(2), all + (x - mean).powi(2))
+    });
+    left < (1.0 - EXPLAINS) * all
 }
 
 /// The findings that no channel has a cycle.

@@ -128,6 +128,13 @@ fn right() -> Vec<(&'static str, Data)> {
             "few_samples_of_many_cycles",
             loads(&Load { rate: 24, cycles: 200.0, more: [0.8, 0.6], noise: 0.002, ..usual() }),
         ),
+        // Loads of strokes that are alike, at 7.4 samples a cycle.
+        ("twice_in_a_cycle_of_few_samples", {
+            let phase: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.1348).collect();
+            let of = |wave: fn(f64) -> f64| phase.iter().map(|p| wave(TAU * p)).collect::<Vec<_>>();
+            let samples = vec![of(|p| 0.1 + 0.5 * p.sin()), of(|p| 1.0 + 0.3 * (2.0 * p).cos())];
+            (phase.clone(), samples, Purpose::Loads)
+        }),
         ("exact", loads(&exact(usual()))),
         // A rate that is no multiple of the frequency: the digits come again after three cycles.
         ("exact_digits_of_three_cycles", {
